@@ -1,0 +1,413 @@
+// Cells on a basement membrane: adhesion or binding to the nearest membrane particle, growing
+// springs between dividing cells, and the per-cell state. What happens at births and deaths
+// stands in fix_skin_cells_events.cpp.
+
+#include "fix_skin_cells.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+using namespace LAMMPS_NS;
+using namespace FixConst;
+
+static const char *const KIND_NAMES[] = {"none", "stem", "ta", "exhausted", "nd"};
+
+static constexpr int NCOLUMNS = 8;
+
+/* ---------------------------------------------------------------------- */
+
+FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), type_of_kind{}, membrane_type(0), contact(0.0), adhesion_stiffness(0.0),
+    adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0), cycle_rate(0.0),
+    first_phase(0.0), spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
+    half_separation(0.0), generations(0), every(1), next_id(0), births(0), deaths(0), state{},
+    log(lmp), log_position(-1), energy{}, energy_all{}, energy_summed(false), nmax(0)
+{
+  parse(narg, arg);
+
+  restart_global = 1;
+  force_reneighbor = 1;
+  next_reneighbor = -1;
+  nevery = 1;
+  time_depend = 1;
+  virial_global_flag = virial_peratom_flag = 1;
+  energy_global_flag = 1;
+
+  scalar_flag = 1;
+  extscalar = 1;
+  vector_flag = 1;
+  size_vector = NTERMS + 7;
+  extvector = 1;
+  global_freq = 1;
+
+  peratom_flag = 1;
+  size_peratom_cols = NCOLUMNS;
+  peratom_freq = 1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+FixSkinCells::~FixSkinCells()
+{
+  memory->destroy(array_atom);
+}
+
+/* ---------------------------------------------------------------------- */
+
+int FixSkinCells::setmask()
+{
+  return PRE_EXCHANGE | PRE_REVERSE | MIN_PRE_REVERSE | END_OF_STEP;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::init()
+{
+  if (!force->newton) error->all(FLERR, "Fix skin/cells needs newton on");
+  if (!atom->molecule_flag)
+    error->all(FLERR, "Fix skin/cells needs an atom style with molecule IDs, such as molecular");
+  if (atom->map_style == Atom::MAP_NONE) error->all(FLERR, "Fix skin/cells needs an atom map");
+  if (domain->zperiodic || domain->boundary[2][1] != 1)
+    error->all(FLERR, "Fix skin/cells removes cells through the top of the box: "
+               "it needs boundary p p f");
+  if (neighbor->every != 1 || neighbor->delay != 0 || neighbor->dist_check != 1)
+    error->all(FLERR, "Fix skin/cells needs neigh_modify every 1 delay 0 check yes, or the nearest "
+               "membrane particle would not be exact; it got every {} delay {} check {}",
+               neighbor->every, neighbor->delay, neighbor->dist_check ? "yes" : "no");
+
+  refresh_state();
+  for (int i = 0; i < atom->nlocal; i++) check_cell(i);
+
+  // ids are never used twice, also not those of the dead
+
+  tagint highest = 0, highest_all;
+  for (int i = 0; i < atom->nlocal; i++) highest = std::max(highest, atom->tag[i]);
+  MPI_Allreduce(&highest, &highest_all, 1, MPI_LMP_TAGINT, MPI_MAX, world);
+  next_id = std::max(next_id, highest_all + 1);
+
+  if (log_position >= 0) log.resume(log_position);
+  else log.open();
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::refresh_state()
+{
+  const std::string missing = state.refresh(atom);
+  if (!missing.empty())
+    error->all(FLERR, "Fix skin/cells needs the per-atom property {}: define fix ID all "
+               "property/atom {} first", missing, SkinCellState::PROPERTIES);
+}
+
+/* ----------------------------------------------------------------------
+   kind of a local or ghost atom, NONE if this fix has nothing to do with it
+------------------------------------------------------------------------- */
+
+int FixSkinCells::kind_of(int i) const
+{
+  return (atom->mask[i] & groupbit) ? kind_of_type[atom->type[i]] : NONE;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::check_cell(int i)
+{
+  const int kind = kind_of(i);
+  const int m = state.divisions_left[i];
+  if (kind == NONE) return;
+
+  if ((kind == TA && m <= 0) || (kind == EXHAUSTED && m != 0) || m < 0)
+    error->one(FLERR, "Fix skin/cells: cell {} is of kind {} and has {} divisions left",
+               atom->tag[i], KIND_NAMES[kind], m);
+  if (state.pair[i] == atom->tag[i])
+    error->one(FLERR, "Fix skin/cells: cell {} is paired with itself", atom->tag[i]);
+}
+
+/* ----------------------------------------------------------------------
+   ghost particles must reach far enough to hold the nearest membrane particle of any cell
+   that is not yet detached, now and until the next neighbor build
+------------------------------------------------------------------------- */
+
+void FixSkinCells::check_reach() const
+{
+  const double reach = adhesion_range * contact + 2.0 * neighbor->skin;
+  const double cutoff = std::min({comm->cutghost[0], comm->cutghost[1], comm->cutghost[2]});
+  if (cutoff < reach)
+    error->all(FLERR, "Fix skin/cells needs a communication cutoff of at least {} but has {}: use "
+               "comm_modify cutoff", reach, cutoff);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixSkinCells::time_of_step(bigint step) const
+{
+  return update->atime + (double) (step - update->atimestep) * update->dt;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::setup_pre_reverse(int eflag, int vflag)
+{
+  check_reach();
+  refresh_state();
+  for (int i = 0; i < atom->nlocal; i++) schedule_first(i);
+  pre_reverse(eflag, vflag);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::setup(int /*vflag*/)
+{
+  if ((update->ntimestep + 1) % every == 0) plan_events(update->ntimestep + 1);
+}
+
+/* ----------------------------------------------------------------------
+   forces on cells and on owned and ghost membrane particles: added before the reverse
+   communication, which sends those on ghosts home
+------------------------------------------------------------------------- */
+
+void FixSkinCells::pre_reverse(int /*eflag*/, int vflag)
+{
+  refresh_state();
+  if (neighbor->ago == 0) list_cells();
+  v_init(vflag);
+  std::fill(energy, energy + NTERMS, 0.0);
+  energy_summed = false;
+
+  for (int k = 0; k < (int) cells.size(); k++) {
+    const int i = cells[k];
+    const SkinNearest::Neighbor closest =
+        nearest.nearest_candidate(k, atom->x[i], atom->x, atom->tag);
+    attach(i, closest);
+    if (state.pair[i]) pull_pair(i);
+    write_row(i, closest);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::min_pre_reverse(int eflag, int vflag)
+{
+  pre_reverse(eflag, vflag);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::end_of_step()
+{
+  if ((update->ntimestep + 1) % every == 0) plan_events(update->ntimestep + 1);
+}
+
+/* ----------------------------------------------------------------------
+   after a neighbor build: my cells, their candidates for the nearest membrane particle, and
+   rows of zeros for everything that is no cell
+------------------------------------------------------------------------- */
+
+void FixSkinCells::list_cells()
+{
+  if (atom->nmax > nmax) {
+    nmax = atom->nmax;
+    memory->destroy(array_atom);
+    memory->create(array_atom, nmax, NCOLUMNS, "skin/cells:array_atom");
+  }
+  if (atom->nlocal)
+    std::memset(&array_atom[0][0], 0, sizeof(double) * NCOLUMNS * (size_t) atom->nlocal);
+
+  cells.clear();
+  for (int i = 0; i < atom->nlocal; i++)
+    if (kind_of(i) != NONE) cells.push_back(i);
+
+  nearest.clear_candidates();
+  if (cells.empty()) return;
+  nearest.bin(atom->nlocal + atom->nghost, atom->x, atom->type, atom->tag, membrane_type,
+              0.5 * contact);
+  for (int i : cells) nearest.add_candidates(atom->x[i], neighbor->skin);
+}
+
+/* ----------------------------------------------------------------------
+   adhesion or binding of cell i to its nearest membrane particle
+------------------------------------------------------------------------- */
+
+void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
+{
+  const int kind = kind_of(i);
+  const bool bound = (kind == STEM || kind == ND);
+  const double r = closest.index < 0 ? INFINITY : std::sqrt(closest.distsq);
+  const double stretch = r / contact - 1.0;
+  double slope = 0.0;    // du/d(stretch), times K
+
+  if (bound) {
+    const double reach = comm->cutghost[0] - 2.0 * neighbor->skin;
+    if (!(r <= reach))
+      error->one(FLERR, "Fix skin/cells: {} cell {} has lost the membrane on step {}: its nearest "
+                 "membrane particle is at {} but the ghost particles reach to {}; try a smaller "
+                 "timestep than {}",
+                 KIND_NAMES[kind], atom->tag[i], update->ntimestep, r, reach, update->dt);
+    if (stretch > 0.0) {
+      energy[BINDING] += 0.5 * binding_stiffness * stretch * stretch;
+      slope = binding_stiffness * stretch;
+    }
+  } else {
+    const double width = adhesion_range - 1.0;
+    if (!(stretch <= width) && state.detached_time[i] < 0.0)
+      state.detached_time[i] = time_of_step(update->ntimestep);
+    if (kind == TA && stretch > 0.0) {
+      const double s = std::min(stretch, width), q = s * s / (width * width);
+      energy[ADHESION] += 0.5 * adhesion_stiffness * s * s * (1.0 - 0.5 * q);
+      slope = adhesion_stiffness * s * (1.0 - q);
+    }
+  }
+
+  if (slope != 0.0) add_pair_force(i, closest.index, -slope / (contact * r));
+}
+
+/* ----------------------------------------------------------------------
+   division spring: each owner computes the force on its own cell, and half of the energy
+------------------------------------------------------------------------- */
+
+void FixSkinCells::pull_pair(int i)
+{
+  int j = atom->map(state.pair[i]);
+  if (j < 0)
+    error->one(FLERR, "Fix skin/cells: the cells {} and {} of a dividing pair have lost each other "
+               "on step {}; try a smaller timestep than {}",
+               atom->tag[i], state.pair[i], update->ntimestep, update->dt);
+  j = domain->closest_image(i, j);
+
+  const double *xi = atom->x[i], *xj = atom->x[j];
+  const double delta[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]};
+  const double r = std::sqrt(delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]);
+  if (r == 0.0)
+    error->one(FLERR, "Fix skin/cells: the cells {} and {} of a dividing pair are at one point",
+               atom->tag[i], state.pair[i]);
+
+  const double age = time_of_step(update->ntimestep) - state.pair_start[i];
+  const double length = std::min(spring_start + spring_rate * age, spring_end);
+  const double stretch = r - length;
+  const double fpair = -spring_stiffness * stretch / r;
+
+  energy[DIVISION] += 0.25 * spring_stiffness * stretch * stretch;
+  for (int d = 0; d < 3; d++) atom->f[i][d] += fpair * delta[d];
+
+  if (evflag) {
+    double half[6] = {delta[0] * delta[0], delta[1] * delta[1], delta[2] * delta[2],
+                      delta[0] * delta[1], delta[0] * delta[2], delta[1] * delta[2]};
+    for (double &h : half) h *= 0.5 * fpair;
+    v_tally(i, half);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::add_pair_force(int i, int j, double fpair)
+{
+  double **x = atom->x, **f = atom->f;
+  const double delta[3] = {x[i][0] - x[j][0], x[i][1] - x[j][1], x[i][2] - x[j][2]};
+  for (int d = 0; d < 3; d++) {
+    f[i][d] += fpair * delta[d];
+    f[j][d] -= fpair * delta[d];
+  }
+
+  if (evflag) {
+    double v[6] = {delta[0] * delta[0], delta[1] * delta[1], delta[2] * delta[2],
+                   delta[0] * delta[1], delta[0] * delta[2], delta[1] * delta[2]};
+    for (double &w : v) w *= fpair;
+    v_tally(i, v);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::write_row(int i, const SkinNearest::Neighbor &closest)
+{
+  double *row = array_atom[i];
+  row[0] = closest.index < 0 ? 0 : atom->tag[closest.index];
+  row[1] = state.divisions_left[i];
+  row[2] = state.next_division[i];
+  row[3] = state.parent[i];
+  row[4] = state.pair[i];
+  row[5] = state.birth_time[i];
+  row[6] = closest.index < 0 ? -1.0 : std::sqrt(closest.distsq);
+  row[7] = state.pair[i] ? state.pair_start[i] : SkinCellState::NEVER;
+}
+
+/* ----------------------------------------------------------------------
+   what must outlive a restart besides the per-atom properties
+------------------------------------------------------------------------- */
+
+void FixSkinCells::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  const double list[] = {(double) next_id, (double) births, (double) deaths,
+                         (double) log.flush()};
+  const int size = sizeof(list);
+  fwrite(&size, sizeof(int), 1, fp);
+  fwrite(list, 1, size, fp);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::restart(char *buf)
+{
+  double list[4];
+  std::memcpy(list, buf, sizeof(list));
+  next_id = (tagint) list[0];
+  births = (bigint) list[1];
+  deaths = (bigint) list[2];
+  log_position = (bigint) list[3];
+}
+
+/* ----------------------------------------------------------------------
+   energy of adhesion, binding and division springs
+------------------------------------------------------------------------- */
+
+double FixSkinCells::compute_scalar()
+{
+  double sum = 0.0;
+  for (int term = 0; term < NTERMS; term++) sum += compute_vector(term);
+  return sum;
+}
+
+/* ----------------------------------------------------------------------
+   energies of adhesion, binding, division; numbers of stem, TA, exhausted and ND cells and of
+   dividing pairs; births and deaths since the start
+------------------------------------------------------------------------- */
+
+double FixSkinCells::compute_vector(int n)
+{
+  if (n < NTERMS) {
+    if (!energy_summed) MPI_Allreduce(energy, energy_all, NTERMS, MPI_DOUBLE, MPI_SUM, world);
+    energy_summed = true;
+    return energy_all[n];
+  }
+
+  n -= NTERMS;
+  if (n == 5) return (double) births;
+  if (n == 6) return (double) deaths;
+
+  refresh_state();
+  int count = 0, count_all;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (n == 4) count += (kind_of(i) != NONE && state.pair[i] != 0);
+    else count += (kind_of(i) == n + 1);
+  MPI_Allreduce(&count, &count_all, 1, MPI_INT, MPI_SUM, world);
+  return n == 4 ? 0.5 * count_all : count_all;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixSkinCells::memory_usage()
+{
+  return (double) nmax * NCOLUMNS * sizeof(double) + (double) cells.capacity() * sizeof(int) +
+      nearest.memory_usage();
+}

@@ -1,0 +1,105 @@
+#ifndef LMP_FIX_SKIN_CELLS_H
+#define LMP_FIX_SKIN_CELLS_H
+
+#include "fix.h"
+
+#include "skin_cell_events.h"
+#include "skin_cell_state.h"
+#include "skin_event_log.h"
+#include "skin_nearest.h"
+
+#include <set>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class FixSkinCells : public Fix {
+ public:
+  FixSkinCells(class LAMMPS *, int, char **);
+  ~FixSkinCells() override;
+  int setmask() override;
+  void init() override;
+  void setup_pre_reverse(int, int) override;
+  void setup(int) override;
+  void pre_exchange() override;
+  void pre_reverse(int, int) override;
+  void min_pre_reverse(int, int) override;
+  void end_of_step() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
+  double compute_scalar() override;
+  double compute_vector(int) override;
+  double memory_usage() override;
+
+ private:
+  enum Kind { NONE, STEM, TA, EXHAUSTED, ND, NKINDS };
+  enum Term { ADHESION, BINDING, DIVISION, NTERMS };
+
+  // settings
+
+  bigint seed;
+  int type_of_kind[NKINDS], membrane_type;
+  std::vector<int> kind_of_type;
+  double contact;                                        // cell-membrane contact length
+  double adhesion_stiffness, adhesion_range;             // K and lambda of adhesion
+  double binding_stiffness;                              // K of binding
+  double cycle_delay, cycle_rate, first_phase;           // T0, gamma, first elapsed times
+  double spring_stiffness, spring_start, spring_rate;    // division spring
+  double spring_end;                                     // its length when the division ends
+  double half_separation;                                // of a newborn pair
+  int generations;                                       // M
+  int every;                                             // steps between event steps
+
+  // state
+
+  tagint next_id;
+  bigint births, deaths;
+  SkinCellState state;
+  SkinEventLog log;
+  bigint log_position;    // where the log stood when the restart file was written, or -1
+
+  SkinNearest nearest;
+  std::vector<int> cells;    // local indices of my cells since the last neighbor build
+  double energy[NTERMS], energy_all[NTERMS];
+  bool energy_summed;
+  int nmax;    // rows of array_atom
+
+  // settings and checks
+
+  void parse(int, char **);
+  void refresh_state();
+  int kind_of(int) const;
+  void check_cell(int);
+  void check_reach() const;
+  double time_of_step(bigint) const;
+
+  // forces
+
+  void list_cells();
+  void attach(int, const SkinNearest::Neighbor &);
+  void pull_pair(int);
+  void add_pair_force(int, int, double);
+  void write_row(int, const SkinNearest::Neighbor &);
+
+  // events
+
+  void schedule_first(int);
+  double wait(tagint, int) const;
+  double pair_end_time(int) const;
+  bool divides_by(int, double) const;
+  void plan_events(bigint);
+  void log_event(const SkinCellEvent &, const char *, tagint, tagint, const char *);
+  std::vector<SkinCellEvent> due_events();
+  SkinCellEvent death_of(int) const;
+  SkinCellEvent end_of_pair(int) const;
+  SkinCellEvent division_of(int, const SkinNearest::Neighbor &) const;
+  void remove(const SkinCellEvent &);
+  void dissolve(const SkinCellEvent &, const char *, std::set<tagint> &);
+  void give_birth(const std::vector<SkinCellEvent> &);
+  void divide_mother(int, const SkinCellEvent &, tagint);
+  void start_daughter(int, const SkinCellEvent &, tagint);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

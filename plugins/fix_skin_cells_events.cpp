@@ -1,0 +1,330 @@
+// births, ends of divisions and deaths in fix skin/cells
+
+#include "fix_skin_cells.h"
+
+#include "skin_random.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
+#include "library.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+
+// the model's number of a kind of cell: 3 stem, 4 TA, 5 exhausted TA, 6 ND
+
+static constexpr int MODEL_TYPE_OFFSET = 2;
+
+/* ----------------------------------------------------------------------
+   a cell that can divide but has no schedule is in the first generation: the time since its
+   last division is uniform, and the wait that remains is that of the cycle
+------------------------------------------------------------------------- */
+
+void FixSkinCells::schedule_first(int i)
+{
+  const int kind = kind_of(i);
+  if ((kind != STEM && kind != TA) || state.next_division[i] >= 0.0) return;
+
+  const tagint id = atom->tag[i];
+  const double elapsed = first_phase * SkinRandom::uniform(seed, id, 0, SkinRandom::FIRST_PHASE);
+  const double exponential = wait(id, 0) - cycle_delay;
+  state.next_division[i] = time_of_step(update->ntimestep) +
+      std::max(cycle_delay - elapsed, 0.0) + exponential;
+}
+
+/* ----------------------------------------------------------------------
+   time from a division of a cell to its next: T0 + Exp(gamma)
+------------------------------------------------------------------------- */
+
+double FixSkinCells::wait(tagint id, int event) const
+{
+  return cycle_delay -
+      std::log(SkinRandom::uniform(seed, id, event, SkinRandom::WAIT)) / cycle_rate;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixSkinCells::pair_end_time(int i) const
+{
+  return state.pair_start[i] + (spring_end - spring_start) / spring_rate;
+}
+
+/* ---------------------------------------------------------------------- */
+
+bool FixSkinCells::divides_by(int i, double time) const
+{
+  const int kind = kind_of(i);
+  return (kind == STEM || kind == TA) && state.next_division[i] >= 0.0 &&
+      state.next_division[i] <= time;
+}
+
+/* ----------------------------------------------------------------------
+   ask for a neighbor build on the given event step if anything is due by then on any rank
+------------------------------------------------------------------------- */
+
+void FixSkinCells::plan_events(bigint step)
+{
+  const double time = time_of_step(step);
+  refresh_state();
+
+  int due = 0, due_anywhere;
+  for (int i : cells) {
+    if (state.detached_time[i] >= 0.0 || divides_by(i, time) ||
+        (state.pair[i] && pair_end_time(i) <= time)) {
+      due = 1;
+      break;
+    }
+  }
+  MPI_Allreduce(&due, &due_anywhere, 1, MPI_INT, MPI_MAX, world);
+  if (due_anywhere) next_reneighbor = step;
+}
+
+/* ----------------------------------------------------------------------
+   all events of this step, on all ranks in one order: atoms migrate right after
+------------------------------------------------------------------------- */
+
+void FixSkinCells::pre_exchange()
+{
+  if (update->ntimestep != next_reneighbor) return;
+
+  const std::vector<SkinCellEvent> events = SkinCellEvent::gather(due_events(), world);
+
+  std::vector<SkinCellEvent> newborn;
+  std::set<tagint> dissolved;
+  bigint removed = 0;
+  for (const SkinCellEvent &event : events) {
+    if (event.kind == SkinCellEvent::BIRTH) {
+      newborn.push_back(event);
+    } else if (event.kind == SkinCellEvent::PAIR_END) {
+      dissolve(event, "grown", dissolved);
+    } else {
+      log_event(event, "death", event.id, event.parent, "detached");
+      if (event.other) dissolve(event, "partner_removed", dissolved);
+      remove(event);
+      removed++;
+    }
+  }
+
+  give_birth(newborn);
+  deaths += removed;
+  atom->natoms -= removed;
+}
+
+/* ----------------------------------------------------------------------
+   my events; the nearest membrane particles are those of the current positions
+------------------------------------------------------------------------- */
+
+std::vector<SkinCellEvent> FixSkinCells::due_events()
+{
+  comm->forward_comm();
+  nearest.bin(atom->nlocal + atom->nghost, atom->x, atom->type, atom->tag, membrane_type,
+              0.5 * contact);
+  refresh_state();
+
+  const double time = time_of_step(update->ntimestep);
+  const double threshold = adhesion_range * contact;
+  std::vector<SkinCellEvent> events;
+
+  for (int i : cells) {
+    const int kind = kind_of(i);
+    const SkinNearest::Neighbor closest = nearest.find(atom->x[i]);
+
+    if ((kind == TA || kind == EXHAUSTED) && state.detached_time[i] < 0.0 &&
+        (closest.index < 0 || !(closest.distsq <= threshold * threshold)))
+      state.detached_time[i] = time;
+    if (state.detached_time[i] >= 0.0) {
+      events.push_back(death_of(i));
+      continue;
+    }
+
+    if (state.pair[i]) {
+      if (pair_end_time(i) <= time && atom->tag[i] > state.pair[i]) events.push_back(end_of_pair(i));
+    } else if (divides_by(i, time)) {
+      events.push_back(division_of(i, closest));
+    }
+  }
+  return events;
+}
+
+/* ---------------------------------------------------------------------- */
+
+SkinCellEvent FixSkinCells::death_of(int i) const
+{
+  SkinCellEvent event = {};
+  event.kind = SkinCellEvent::DEATH;
+  event.time = state.detached_time[i];
+  event.id = atom->tag[i];
+  event.other = state.pair[i];
+  event.parent = state.parent[i];
+  event.type = atom->type[i];
+  event.divisions_left = state.divisions_left[i];
+  std::copy(atom->x[i], atom->x[i] + 3, event.x);
+  return event;
+}
+
+/* ----------------------------------------------------------------------
+   made by the owner of the younger cell of the pair
+------------------------------------------------------------------------- */
+
+SkinCellEvent FixSkinCells::end_of_pair(int i) const
+{
+  SkinCellEvent event = death_of(i);
+  event.kind = SkinCellEvent::PAIR_END;
+  event.time = pair_end_time(i);
+  return event;
+}
+
+/* ----------------------------------------------------------------------
+   the two cells lie on both sides of the mother's place, in a direction that is uniform in the
+   plane normal to the line from her to her nearest membrane particle
+------------------------------------------------------------------------- */
+
+SkinCellEvent FixSkinCells::division_of(int i, const SkinNearest::Neighbor &closest) const
+{
+  const double *x = atom->x[i], *y = atom->x[closest.index];
+  const double r = std::sqrt(closest.distsq);
+  const double n[3] = {(x[0] - y[0]) / r, (x[1] - y[1]) / r, (x[2] - y[2]) / r};
+
+  // u: x axis, or y axis where that is almost n, made normal to n; v completes the frame
+
+  const int axis = std::fabs(n[0]) > 0.9 ? 1 : 0;
+  double u[3] = {-n[axis] * n[0], -n[axis] * n[1], -n[axis] * n[2]};
+  u[axis] += 1.0;
+  const double length = std::sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+  for (double &component : u) component /= length;
+  const double v[3] = {n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2],
+                       n[0] * u[1] - n[1] * u[0]};
+
+  const int number = state.divisions_done[i] + 1;
+  const double angle = 2.0 * M_PI *
+      SkinRandom::uniform(seed, atom->tag[i], number, SkinRandom::ORIENTATION);
+
+  const bool stem = kind_of(i) == STEM;
+  SkinCellEvent event = death_of(i);
+  event.kind = SkinCellEvent::BIRTH;
+  event.time = state.next_division[i];
+  event.divisions_left = stem ? generations : state.divisions_left[i] - 1;
+  event.type = type_of_kind[event.divisions_left > 0 ? TA : EXHAUSTED];
+  event.mask = atom->mask[i];
+  for (int d = 0; d < 3; d++) {
+    const double step = half_separation * (std::cos(angle) * u[d] + std::sin(angle) * v[d]);
+    event.x[d] = x[d] + step;
+    event.mother_x[d] = x[d] - step;
+  }
+  return event;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::log_event(const SkinCellEvent &event, const char *kind, tagint id,
+                             tagint parent, const char *cause)
+{
+  log.write(event.time, kind, id, parent, kind_of_type[event.type] + MODEL_TYPE_OFFSET, event.x,
+            event.divisions_left, cause);
+}
+
+/* ----------------------------------------------------------------------
+   a removed cell is put above the fixed top of the box: the exchange that follows drops it
+------------------------------------------------------------------------- */
+
+void FixSkinCells::remove(const SkinCellEvent &event)
+{
+  const int i = atom->map(event.id);
+  if (i >= 0 && i < atom->nlocal) atom->x[i][2] = domain->boxhi[2] + domain->prd[2];
+}
+
+/* ----------------------------------------------------------------------
+   end a dividing pair, once, for those of its cells that I own
+------------------------------------------------------------------------- */
+
+void FixSkinCells::dissolve(const SkinCellEvent &event, const char *cause,
+                            std::set<tagint> &dissolved)
+{
+  const tagint daughter = std::max(event.id, event.other);
+  const tagint mother = std::min(event.id, event.other);
+  if (!dissolved.insert(daughter).second) return;
+
+  for (tagint id : {daughter, mother}) {
+    const int i = atom->map(id);
+    if (i < 0 || i >= atom->nlocal) continue;
+    state.pair[i] = 0;
+    atom->molecule[i] = id;
+    if (state.next_division[i] >= 0.0)
+      state.next_division[i] = std::max(state.next_division[i], event.time);
+  }
+  log_event(event, "division_end", daughter, mother, cause);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::give_birth(const std::vector<SkinCellEvent> &newborn)
+{
+  const int n = (int) newborn.size();
+  if (n == 0) return;
+  if (next_id > MAXTAGINT - n)
+    error->all(FLERR, "Fix skin/cells: out of atom IDs: the next would be {} and the largest is {}",
+               next_id, MAXTAGINT);
+
+  std::vector<tagint> ids(n);
+  std::vector<int> types(n);
+  std::vector<double> x(3 * n);
+  for (int k = 0; k < n; k++) {
+    ids[k] = next_id++;
+    types[k] = newborn[k].type;
+    std::copy(newborn[k].x, newborn[k].x + 3, &x[3 * k]);
+    domain->remap(&x[3 * k]);
+    log_event(newborn[k], "birth", ids[k], newborn[k].id, "division");
+  }
+
+  // the old ghosts end here: borders come anew after the exchange
+
+  atom->nghost = 0;
+  lammps_create_atoms(lmp, n, ids.data(), types.data(), x.data(), nullptr, nullptr, 0);
+  refresh_state();
+
+  for (int k = 0; k < n; k++) {
+    const int mother = atom->map(newborn[k].id), daughter = atom->map(ids[k]);
+    if (mother >= 0 && mother < atom->nlocal) divide_mother(mother, newborn[k], ids[k]);
+    if (daughter >= 0 && daughter < atom->nlocal) start_daughter(daughter, newborn[k], ids[k]);
+  }
+  births += n;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::divide_mother(int i, const SkinCellEvent &event, tagint daughter)
+{
+  if (kind_of(i) == TA) {
+    state.divisions_left[i] = event.divisions_left;
+    atom->type[i] = event.type;
+  }
+  const int number = ++state.divisions_done[i];
+  state.next_division[i] = (kind_of(i) == EXHAUSTED) ? SkinCellState::NEVER
+                                                     : event.time + wait(event.id, number);
+  state.pair[i] = daughter;
+  state.pair_start[i] = event.time;
+  atom->molecule[i] = daughter;
+  std::copy(event.mother_x, event.mother_x + 3, atom->x[i]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::start_daughter(int i, const SkinCellEvent &event, tagint id)
+{
+  atom->mask[i] = event.mask;
+  atom->molecule[i] = id;
+  state.divisions_left[i] = event.divisions_left;
+  state.divisions_done[i] = 0;
+  state.parent[i] = event.id;
+  state.pair[i] = event.id;
+  state.pair_start[i] = event.time;
+  state.birth_time[i] = event.time;
+  state.detached_time[i] = SkinCellState::NEVER;
+  state.next_division[i] = (kind_of(i) == EXHAUSTED) ? SkinCellState::NEVER
+                                                     : event.time + wait(id, 0);
+}

@@ -1,0 +1,36 @@
+// What happens to cells at an event step, as records that every rank sees in the same order.
+
+#ifndef LMP_SKIN_CELL_EVENTS_H
+#define LMP_SKIN_CELL_EVENTS_H
+
+#include "lmptype.h"
+
+#include <mpi.h>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+struct SkinCellEvent {
+  enum Kind { DEATH, PAIR_END, BIRTH };
+
+  double time;
+  double x[3];           // of the cell that dies, of the younger of a pair, of the newborn
+  double mother_x[3];    // where a birth leaves the mother
+  int kind;
+  tagint id;        // of the cell that dies, of the younger of a pair, of the mother
+  tagint other;     // the other cell of its pair, 0 if none
+  tagint parent;
+  int type;              // LAMMPS type of the cell at x
+  int divisions_left;    // its divisions left
+  int mask;              // groups that a newborn inherits
+
+  bool operator<(const SkinCellEvent &) const;
+
+  // all events of all ranks in the order of their times; equal on all ranks
+
+  static std::vector<SkinCellEvent> gather(const std::vector<SkinCellEvent> &, MPI_Comm);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

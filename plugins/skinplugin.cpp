@@ -1,0 +1,64 @@
+// registration of the styles of lammps-skin, and nothing else
+
+#include "dihedral_skin_bend.h"
+#include "fix_skin_cells.h"
+
+#include "lammps.h"
+
+using namespace LAMMPS_NS;
+
+// the plugin interface of LAMMPS as its manual documents it:
+// the header that declares it is not part of the binary packages
+
+extern "C" {
+typedef void *(lammpsplugin_factory1) (LAMMPS *);
+typedef void *(lammpsplugin_factory2) (LAMMPS *, int, char **);
+
+struct lammpsplugin_t {
+  const char *version;
+  const char *style;
+  const char *name;
+  const char *info;
+  const char *author;
+  union {
+    lammpsplugin_factory1 *v1;
+    lammpsplugin_factory2 *v2;
+  } creator;
+  void *handle;
+};
+
+typedef void (*lammpsplugin_regfunc)(lammpsplugin_t *, void *);
+}
+
+static void *create_dihedral_skin_bend(LAMMPS *lmp)
+{
+  return new DihedralSkinBend(lmp);
+}
+
+static void *create_fix_skin_cells(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixSkinCells(lmp, narg, arg);
+}
+
+extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle,
+                                                                         void *regfunc)
+{
+  auto register_plugin = (lammpsplugin_regfunc) regfunc;
+  lammpsplugin_t plugin;
+
+  plugin.version = ((LAMMPS *) lmp)->version;
+  plugin.author = "the lammps-skin authors";
+  plugin.handle = handle;
+
+  plugin.style = "dihedral";
+  plugin.name = "skin/bend";
+  plugin.info = "bending of a triangulated membrane by the normals of its triangles";
+  plugin.creator.v1 = &create_dihedral_skin_bend;
+  register_plugin(&plugin, lmp);
+
+  plugin.style = "fix";
+  plugin.name = "skin/cells";
+  plugin.info = "adhesion, division and removal of epidermal cells on a basement membrane";
+  plugin.creator.v2 = &create_fix_skin_cells;
+  register_plugin(&plugin, lmp);
+}

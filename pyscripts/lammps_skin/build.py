@@ -1,0 +1,178 @@
+"""Scene and configuration -> a directory in which ``lmp -in skin.in`` runs."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from lammps_skin.configuration import Configuration
+from lammps_skin.errors import SceneError
+from lammps_skin.scene import Scene
+from lammps_skin.terms import (
+    PairTerm,
+    adhesion_stiffness,
+    cell_kinds,
+    division_spring,
+    pair_terms,
+    stretch_table,
+    wall_coefficients,
+)
+
+INPUTS = Path(__file__).resolve().parent / "lammps_inputs"
+SCRIPTS = (
+    "skin.in", "state.in", "membrane.in", "dermis.in", "cells.in", "integration.in", "output.in",
+)  # fmt: skip
+SCENE_FILE = "scene.toml"
+
+
+def build(
+    scene: Scene, directory: Path, configuration: Configuration | None = None
+) -> Configuration:
+    """Write input scripts, tables, data file and the scene itself into a directory.
+
+    Raises `SceneError` if the directory cannot be written, `ConfigurationError` if the
+    configuration does not belong to the scene.
+    """
+    if configuration is None:
+        configuration = Configuration.from_scene(scene)
+    else:
+        configuration.check(scene)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        _write(scene, directory, configuration)
+    except OSError as error:
+        raise SceneError(f"directory {directory}: {error.strerror}") from None
+    return configuration
+
+
+def _write(scene: Scene, directory: Path, configuration: Configuration) -> None:
+    terms = pair_terms(scene)
+    for script in SCRIPTS:
+        if _needed(script, scene):
+            shutil.copyfile(INPUTS / script, directory / script)
+    for term in terms:
+        if term.table:
+            term.table.write(directory / f"{term.name}.table")
+    stretch_table(scene).write(directory / "stretch.table")
+    configuration.write_data(directory / "skin.data", scene.kinds)
+    (directory / SCENE_FILE).write_text(to_toml(scene.given()), encoding="utf-8")
+    lines = [f"# {scene.name}: {scene.description or 'numbers of this scene'}", ""]
+    lines += _variables(scene, configuration, terms)
+    (directory / "scene.in").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _needed(script: str, scene: Scene) -> bool:
+    absent = {"dermis.in": not scene.dermis.present, "cells.in": not scene.has_cells}
+    return not absent.get(script, False)
+
+
+def _variables(
+    scene: Scene, configuration: Configuration, terms: list[PairTerm]
+) -> Iterator[str]:
+    """Lines of scene.in; index variables can be overridden with ``-var``."""
+
+    def index(name: str, value: Any) -> str:
+        text = f"{value:.17g}" if isinstance(value, float) else str(value)
+        return f"variable        {name} index {text}"
+
+    def string(name: str, *values: Any) -> str:
+        return index(name, '"' + " ".join(f"{v:.17g}" if isinstance(v, float) else str(v)
+                                          for v in values) + '"')  # fmt: skip
+
+    start_step = round(configuration.time / scene.numerics.timestep)
+    yield "# run: these can be overridden with -var"
+    yield index("seed", scene.cell_seed)
+    yield index("timestep", scene.numerics.timestep)
+    yield index("end_time", scene.end_time)
+    yield index("thermo_interval", scene.output.thermo_interval)
+    yield index("dump_interval", scene.output.dump_interval)
+    yield index("checkpoint_interval", scene.output.checkpoint_interval)
+    yield index("event_interval", scene.numerics.event_interval)
+    yield index("restart", "none")
+    yield "\n# parts"
+    yield index("has_dermis", int(scene.dermis.present))
+    yield index("has_cells", int(scene.has_cells))
+    yield index("start_step", start_step)
+    yield index("start_time", float(configuration.time))
+    yield "\n# numerics"
+    yield index("neighbor_skin", scene.numerics.neighbor_skin)
+    yield index("ghost_cutoff", ghost_cutoff(scene, configuration))
+    yield "\n# pair terms: sub-style, where its table is if it has one, and its coefficients"
+    yield string("pair_styles", *(term.style for term in terms))
+    for term, style in zip(terms, _numbered(terms), strict=True):
+        yield string(f"{term.name}_style", style)
+        yield index(f"{term.name}_path", "${dir}/" if term.table else '""')
+        yield string(term.name, term.coefficients)
+    yield "\n# membrane"
+    points = len(stretch_table(scene).distances)
+    yield string("stretch_style", scene.numerics.table_style, points)
+    yield string("stretch", "stretch.table", "STRETCH")
+    yield index("bending_stiffness", scene.membrane.bending_stiffness)
+    if scene.dermis.present:
+        yield "\n# dermis"
+        yield string("wall", wall_coefficients(scene))
+    if scene.has_cells:
+        yield from _cell_variables(scene, string)
+
+
+def _cell_variables(scene: Scene, string: Any) -> Iterator[str]:
+    cells = scene.cells
+    numbers = [scene.kinds.index(kind) + 1 for kind in cell_kinds(scene)]
+    adhesion, binding = adhesion_stiffness(scene)
+    yield "\n# cells"
+    yield string("cell_types", f"{min(numbers)}*{max(numbers)}")
+    yield string("cell_labels", *(kind.label for kind in cell_kinds(scene)))
+    yield string("cell_kinds", *(f"{kind.label} {kind.label}" for kind in cell_kinds(scene)))
+    yield string("contact", scene.contact)
+    yield string("adhesion", adhesion, cells.adhesion_range)
+    yield string("binding", binding)
+    yield string("cycle", cells.cycle_delay, cells.cycle_rate, cells.first_phase)
+    yield string("generations", cells.generations)
+    yield string("spring", *division_spring(scene))
+    yield string("offset", cells.division_separation * cells.radius)
+
+
+def _numbered(terms: list[PairTerm]) -> Iterator[str]:
+    """Names of sub-styles as hybrid wants them: with a number where one occurs several times."""
+    names = [term.style.split()[0] for term in terms]
+    total, seen = Counter(names), Counter[str]()
+    for name in names:
+        seen[name] += 1
+        yield f"{name} {seen[name]}" if total[name] > 1 else name
+
+
+def ghost_cutoff(scene: Scene, configuration: Configuration) -> float:
+    """Reach of ghost particles: pairs, links, dividing pairs, and the nearest membrane particle."""
+    skin = scene.numerics.neighbor_skin
+    link = 2 * scene.membrane.radius * (1 + scene.membrane.spacing_ratio)
+    reach = [max(term.cutoff for term in pair_terms(scene)) + skin, link + skin]
+    if scene.has_cells:
+        detachment = scene.cells.adhesion_range * scene.contact
+        _, distance = configuration.nearest_membrane()
+        furthest = float(distance[configuration.is_cell].max(initial=0.0))
+        reach.append(max(detachment, furthest) + 2.5 * skin)
+        reach.append(3 * scene.cells.radius)
+    return math.ceil(100 * max(reach)) / 100
+
+
+def to_toml(given: dict[str, Any], prefix: str = "") -> str:
+    """Nested keys as TOML."""
+    values = {key: value for key, value in given.items() if not isinstance(value, dict)}
+    lines = [f"{key} = {_toml_value(value)}" for key, value in values.items()]
+    for key, value in given.items():
+        if isinstance(value, dict):
+            lines += ["", f"[{prefix}{key}]", to_toml(value, f"{prefix}{key}.")]
+    return "\n".join(lines).strip() + "\n"
+
+
+def _toml_value(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_toml_value(item) for item in value) + "]"
+    if isinstance(value, float):
+        return repr(value)
+    return json.dumps(value)

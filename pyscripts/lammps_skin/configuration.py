@@ -1,0 +1,229 @@
+"""The initial state as arrays: built from a scene, read from a text file, or edited by hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from lammps_skin import lattice
+from lammps_skin.arrangements import place_cells
+from lammps_skin.errors import ConfigurationError
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.packing import pack_dermis
+from lammps_skin.scene import Scene
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+NEVER = -1.0  # no time of next division: none is due, or the run draws it
+ROUGHNESS_STREAM = 102
+
+
+@dataclass
+class Configuration:
+    """State of all particles at one time; particle n has id n + 1.
+
+    Attributes
+    ----------
+    box : (3,) array
+        L_x, L_y, L_z; the box starts at the origin, x and y are periodic.
+    kinds : (n,) array of int
+        `Kind` of each particle, the type numbers of the model.
+    positions : (n, 3) array
+    links : (l, 2) array of int
+        Membrane links, 0-based.
+    hinges : (h, 4) array of int
+        Dihedrals of the membrane, see `lattice.links_and_hinges`.
+    divisions_left, divisions_done, parent, pair : (n,) arrays of int
+        State of the cells; parent and pair are ids, 0 for none.
+    next_division, birth_time, pair_start : (n,) arrays
+        Times; `NEVER` as next division lets the run draw a first phase from its seed.
+    time : float
+    """
+
+    box: Floats
+    kinds: Ints
+    positions: Floats
+    links: Ints
+    hinges: Ints
+    divisions_left: Ints = field(default_factory=lambda: np.empty(0, int))
+    divisions_done: Ints = field(default_factory=lambda: np.empty(0, int))
+    parent: Ints = field(default_factory=lambda: np.empty(0, int))
+    pair: Ints = field(default_factory=lambda: np.empty(0, int))
+    next_division: Floats = field(default_factory=lambda: np.empty(0))
+    birth_time: Floats = field(default_factory=lambda: np.empty(0))
+    pair_start: Floats = field(default_factory=lambda: np.empty(0))
+    time: float = 0.0
+
+    def __post_init__(self) -> None:
+        n = len(self.kinds)
+        for name in ("divisions_left", "divisions_done", "parent", "pair"):
+            if not len(getattr(self, name)):
+                setattr(self, name, np.zeros(n, int))
+        if not len(self.next_division):
+            self.next_division = np.full(n, NEVER)
+        for name in ("birth_time", "pair_start"):
+            if not len(getattr(self, name)):
+                setattr(self, name, np.zeros(n))
+
+    @property
+    def is_cell(self) -> NDArray[np.bool_]:
+        """Mask (n,) of the cells."""
+        return np.isin(self.kinds, CELLS)
+
+    @property
+    def present_kinds(self) -> set[Kind]:
+        return {Kind(kind) for kind in np.unique(self.kinds)}
+
+    @classmethod
+    def from_scene(cls, scene: Scene) -> Self:
+        """Membrane, relaxed dermis and first cells of a scene."""
+        sheet = lattice.positions(scene.membrane.lattice, scene.spacing, scene.membrane_height)
+        roughness = np.random.default_rng([scene.seed, ROUGHNESS_STREAM])
+        stem, nd = place_cells(scene)
+        dermis = pack_dermis(scene, sheet) if scene.dermis.present else np.empty((0, 3))
+        sheet[:, 2] += scene.membrane.noise * roughness.standard_normal(len(sheet))
+
+        places = np.concatenate([stem, nd])
+        above = np.full((len(places), 1), scene.membrane_height + scene.contact)
+        links, hinges = lattice.links_and_hinges(scene.membrane.lattice)
+        kinds = np.repeat(
+            [Kind.MEMBRANE, Kind.DERMAL, Kind.STEM, Kind.ND],
+            [len(sheet), len(dermis), len(stem), len(nd)],
+        ).astype(int)
+        configuration = cls(
+            box=np.array(scene.box_sides),
+            kinds=kinds,
+            positions=np.concatenate([sheet, dermis, np.hstack([places, above])]),
+            links=links,
+            hinges=hinges,
+            divisions_left=np.where(kinds == Kind.STEM, scene.cells.generations, 0),
+        )
+        configuration.check(scene)
+        return configuration
+
+    def check(self, scene: Scene) -> None:
+        """Raise `ConfigurationError` if this is no possible state of the scene."""
+        n = len(self.kinds)
+        self._check_shapes(n)
+        absent = self.present_kinds - set(scene.kinds)
+        if absent:
+            names = ", ".join(kind.label for kind in sorted(absent))
+            raise ConfigurationError(f"kinds: the scene has no particles of kind {names}")
+        self._check_numbers(n)
+        self._check_cells(scene)
+
+    def _check_shapes(self, n: int) -> None:
+        expected = {"positions": (n, 3), "box": (3,), "links": (-1, 2), "hinges": (-1, 4)}
+        per_particle = (
+            "divisions_left", "divisions_done", "parent", "pair",
+            "next_division", "birth_time", "pair_start",
+        )  # fmt: skip
+        expected |= dict.fromkeys(per_particle, (n,))
+        for name, shape in expected.items():
+            got = np.shape(getattr(self, name))
+            if len(got) != len(shape) or any(g != s for g, s in zip(got, shape, strict=True) if s > 0):
+                raise ConfigurationError(f"{name}: has shape {got}, must be {shape}")
+
+    def _check_numbers(self, n: int) -> None:
+        for name in ("positions", "box"):
+            bad = np.argwhere(~np.isfinite(getattr(self, name)))
+            if len(bad):
+                raise ConfigurationError(f"{name}: entry {tuple(bad[0].tolist())} is not finite")
+        z = self.positions[:, 2]
+        outside = np.flatnonzero((z < 0) | (z >= self.box[2]))
+        if len(outside):
+            first = outside[0]
+            raise ConfigurationError(
+                f"positions: z = {z[first]:g} of particle {first} must be in [0, {self.box[2]:g})"
+            )
+        for name, limit in (("links", n), ("hinges", n)):
+            indices = getattr(self, name)
+            if indices.size and (indices.min() < 0 or indices.max() >= limit):
+                raise ConfigurationError(f"{name}: indices must be in 0 to {limit - 1}")
+
+    def _check_cells(self, scene: Scene) -> None:
+        cells = np.flatnonzero(self.is_cell)
+        for n in cells:
+            kind, m = Kind(self.kinds[n]), self.divisions_left[n]
+            if m < 0 or (kind == Kind.TA and m == 0) or (kind == Kind.EXHAUSTED and m > 0):
+                raise ConfigurationError(f"divisions_left: {m} for particle {n}, a {kind.label} cell")
+            other = self.pair[n]
+            if other and (other < 1 or other > len(self.kinds) or self.pair[other - 1] != n + 1):
+                raise ConfigurationError(f"pair: particle {n} and id {other} are not each other's")
+        if len(cells) > 1:
+            x = self.wrapped()[cells]
+            tree = cKDTree(x, boxsize=[*self.box[:2], 2 * self.box[2]])
+            for i, j in tree.query_pairs(1e-3 * scene.cells.radius):
+                if self.pair[cells[i]] != cells[j] + 1:
+                    apart = np.linalg.norm(x[i] - x[j])
+                    raise ConfigurationError(
+                        f"positions: the cells {cells[i]} and {cells[j]} overlap, {apart:g} apart"
+                    )
+
+    def wrapped(self) -> Floats:
+        """Positions (n, 3) with x and y inside the box."""
+        x = self.positions.copy()
+        x[:, :2] %= self.box[:2]
+        x[:, :2][x[:, :2] >= self.box[:2]] = 0.0
+        return x
+
+    def nearest_membrane(self) -> tuple[Ints, Floats]:
+        """Index of and distance to the nearest membrane particle, each (n,), of all particles."""
+        membrane = np.flatnonzero(self.kinds == Kind.MEMBRANE)
+        x = self.wrapped()
+        # no image in z: a period longer than twice the box keeps it open
+        tree = cKDTree(x[membrane], boxsize=[*self.box[:2], 4 * self.box[2]])
+        distance, index = tree.query(x)
+        return membrane[index], distance
+
+    def write_data(self, path: Path, kinds: tuple[Kind, ...]) -> None:
+        """LAMMPS data file with the cell state in the section ``state`` of fix property/atom."""
+        n = len(self.kinds)
+        ids = np.arange(1, n + 1)
+        lammps_type = {kind: number for number, kind in enumerate(kinds, 1)}
+        types = np.array([lammps_type[Kind(kind)] for kind in self.kinds])
+        paired = self.pair > 0
+        molecule = np.where(self.is_cell, np.where(paired, np.maximum(ids, self.pair), ids), 0)
+
+        with path.open("w", encoding="utf-8") as file:
+            file.write("LAMMPS data file, written by lammps-skin\n\n")
+            file.write(f"{n} atoms\n{len(self.links)} bonds\n{len(self.hinges)} dihedrals\n")
+            file.write(f"{len(kinds)} atom types\n1 bond types\n1 dihedral types\n\n")
+            for side, axis in zip(self.box, "xyz", strict=True):
+                file.write(f"0 {side:.17g} {axis}lo {axis}hi\n")
+            file.write("\nAtom Type Labels\n\n")
+            file.writelines(f"{number} {kind.label}\n" for kind, number in lammps_type.items())
+            file.write("\nMasses\n\n")
+            file.writelines(f"{number} 1\n" for number in lammps_type.values())
+            file.write("\nAtoms # molecular\n\n")
+            atoms = np.column_stack([ids, molecule, types, self.wrapped()])
+            np.savetxt(file, atoms, fmt="%d %d %d %.17g %.17g %.17g")
+            if len(self.links):
+                file.write("\nBonds\n\n")
+                _write_topology(file, self.links)
+            if len(self.hinges):
+                file.write("\nDihedrals\n\n")
+                _write_topology(file, self.hinges)
+            if self.is_cell.any():
+                file.write("\nstate\n\n")
+                np.savetxt(file, self._state_rows(ids), fmt="%d %d %d %d %d %.17g %.17g %.17g %.17g")
+
+    def _state_rows(self, ids: Ints) -> Floats:
+        """Rows in the order of the properties that cells.in defines."""
+        never_detached = np.where(self.is_cell, NEVER, 0.0)
+        return np.column_stack(
+            [ids, self.divisions_left, self.divisions_done, self.parent, self.pair,
+             np.where(self.is_cell, self.next_division, 0.0), self.birth_time, self.pair_start,
+             never_detached]
+        )  # fmt: skip
+
+
+def _write_topology(file, members: Ints) -> None:  # type: ignore[no-untyped-def]
+    numbers = np.arange(1, len(members) + 1)
+    np.savetxt(file, np.column_stack([numbers, np.ones_like(numbers), members + 1]), fmt="%d")

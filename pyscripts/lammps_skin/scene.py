@@ -1,0 +1,360 @@
+"""What to simulate: a validated description, from a TOML file or a built-in name."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+
+from lammps_skin import parameters
+from lammps_skin.errors import SceneError
+from lammps_skin.kinds import Kind
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+AboveOne = Annotated[float, Field(gt=1, allow_inf_nan=False)]
+Fraction = Annotated[float, Field(gt=0, lt=1)]
+Seed = Annotated[int, Field(ge=1, le=2**31 - 1)]
+Count = Annotated[int, Field(ge=0, le=10_000_000)]
+
+
+class Part(BaseModel):
+    """One part of a scene: frozen, strict about types, no unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class Dermis(Part):
+    """Soft dermal spheres between the wall and the membrane."""
+
+    present: bool = True
+    radius: Positive = Field(1.4, description="R_d")
+    stiffness: NotNegative = Field(0.04, description="K of dermis-dermis")
+    membrane_stiffness: NotNegative = Field(0.04, description="K of dermis-membrane")
+    wall_stiffness: NotNegative = Field(0.04, description="K of dermis-wall")
+    attraction_range: AboveOne = Field(1.4, description="Lambda")
+    softening: NotNegative = Field(0.125, description="a1")
+    softening_onset: Fraction = Field(0.8, description="d1")
+    volume_fraction: Annotated[float, Field(gt=0, le=1.5)] = 0.64
+    seed: Seed | None = Field(None, description="of the packing; the scene's seed if not given")
+
+
+class Membrane(Part):
+    """Triangular network of membrane particles."""
+
+    lattice: tuple[Count, Count] = Field((100, 114), description="particles along x, rows along y")
+    radius: Positive = Field(1.0, description="R_m")
+    spacing_ratio: Fraction = Field(0.25, description="d2")
+    height: Positive | None = Field(None, description="z at the start; 16 R_c if not given")
+    noise: NotNegative = Field(0.0, description="standard deviation of z at the start")
+    stretch_stiffness: NotNegative = 0.04
+    elasticity: NotNegative = Field(1.25, description="a2")
+    bending_stiffness: NotNegative = 0.5
+    exclusion_stiffness: NotNegative = 0.04
+
+
+class Cells(Part):
+    """Stem, transit-amplifying (TA) and non-dividing (ND) cells."""
+
+    stem: Count = 0
+    nd: Count = 0
+    arrangement: Literal["ring", "cluster", "random", "core", "alternating", "halves"] = "ring"
+    seed: Seed | None = Field(None, description="of schedules and directions")
+    radius: Positive = Field(1.4, description="R_c")
+    exclusion_stiffness: NotNegative = Field(0.04, description="K of cell-cell exclusion")
+    membrane_exclusion_stiffness: NotNegative = Field(0.04, description="K of cell-membrane")
+    cell_adhesion_stiffness: NotNegative = Field(0.03, description="K of cell-cell adhesion")
+    adhesion_stiffness: NotNegative = Field(25.0, description="K_ad")
+    adhesion_range: AboveOne = Field(1.4, description="lambda, also of the removal threshold")
+    binding_stiffness: NotNegative = Field(25.0, description="K of stem and ND cells")
+    division_spring: Literal["length", "reduced"] = "reduced"
+    division_stiffness: NotNegative = Field(5.0, description="K_div")
+    division_rate: Positive = Field(0.14, description="beta_0, growth of the natural length")
+    division_separation: Positive = Field(0.005, description="eps, half of it in units of R_c")
+    cycle_delay: NotNegative = Field(36.0, description="T0")
+    cycle_rate: Positive = Field(0.083, description="gamma")
+    first_phase: NotNegative = Field(48.0, description="first elapsed times are uniform in [0, .)")
+    generations: Annotated[int, Field(ge=0, le=1000)] = Field(10, description="M")
+
+
+class Numerics(Part):
+    """How it is computed."""
+
+    timestep: Positive = 0.01
+    pair_form: Literal["analytic", "table"] = Field(
+        "analytic", description="of the terms that have a Lennard-Jones shape"
+    )
+    table_style: Literal["linear", "spline"] = "linear"
+    table_points: Annotated[int, Field(ge=100, le=1_000_000)] = 10_000
+    event_interval: NotNegative = Field(
+        0.2, description="time between steps that handle births and removals; 0: every step"
+    )
+    neighbor_skin: Positive = 0.3
+
+
+class Output(Part):
+    """How often what is written, in time units; 0 is never."""
+
+    thermo_interval: Positive = 1.0
+    dump_interval: NotNegative = 10.0
+    checkpoint_interval: NotNegative = 50.0
+
+
+class Scene(Part):
+    """A validated scene.
+
+    Load one with `Scene.load`, vary it with `replace`. A named parameter set (`parameters`)
+    gives values to the keys that are not given themselves.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")] = "scene"
+    description: str = ""
+    parameters: Literal["printed", "papilla", "weak5", "direct5"] = "papilla"
+    force_scale: Literal["printed", "direct"] = "printed"
+    seed: Seed = 1
+    box: tuple[Positive, Positive] | None = Field(
+        None, description="L_x, L_y, checked against the lattice from which the box is derived"
+    )
+    box_height: Positive = Field(100.0, description="L_z")
+    end_time: Positive = 1000.0
+    dermis: Dermis = Dermis()
+    membrane: Membrane = Membrane()
+    cells: Cells = Cells()
+    numerics: Numerics = Numerics()
+    output: Output = Output()
+
+    smallest_lattice: ClassVar[tuple[int, int]] = (12, 14)
+    _given: dict[str, Any] = PrivateAttr(default_factory=dict)
+
+    # ---- making scenes
+
+    @classmethod
+    def from_dict(cls, given: Mapping[str, Any]) -> Self:
+        """Scene from nested keys; raises `SceneError` naming the key, the value and the remedy."""
+        raw = _merge({}, given)
+        name = raw.get("parameters", parameters.DEFAULT)
+        if not isinstance(name, str) or name not in parameters.SETS:
+            raise SceneError(f"parameters = {name!r}: must be one of {', '.join(parameters.SETS)}")
+        try:
+            scene = cls.model_validate(_as_tuples(_merge(parameters.SETS[name], raw)))
+        except ValidationError as error:
+            raise SceneError(_first_line(cls, error)) from None
+        scene._given = {**raw, "parameters": name}
+        return scene
+
+    @classmethod
+    def load(cls, source: str | Path) -> Self:
+        """Scene from a TOML file or the name of a built-in scene."""
+        from lammps_skin.scenes import BUILT_IN
+
+        path = Path(source)
+        if isinstance(source, str) and source in BUILT_IN:
+            return cls.from_dict({"name": source, **BUILT_IN[source]})
+        if path.suffix != ".toml":
+            raise SceneError(
+                f"scene {str(source)!r}: neither a .toml file nor one of {', '.join(BUILT_IN)}"
+            )
+        try:
+            return cls.from_dict(tomllib.loads(path.read_text("utf-8")))
+        except (OSError, UnicodeDecodeError) as error:
+            reason = getattr(error, "strerror", None) or "not text in UTF-8"
+            raise SceneError(f"scene file {path}: {reason}") from None
+        except tomllib.TOMLDecodeError as error:
+            raise SceneError(f"scene file {path}: not TOML: {error}") from None
+        except SceneError as error:
+            raise SceneError(f"scene file {path}: {error}") from None
+
+    def replace(self, **changes: Any) -> Self:
+        """A scene with some keys changed: ``scene.replace(**{"cells.seed": 3})``."""
+        given = _merge({}, self._given)
+        for key, value in changes.items():
+            *parts, last = key.split(".")
+            place = given
+            for part in parts:
+                place = place.setdefault(part, {})
+                if not isinstance(place, dict):
+                    raise SceneError(f"{key} = {value!r}: {part} has no keys")
+            place[last] = value
+        return type(self).from_dict(given)
+
+    def given(self) -> dict[str, Any]:
+        """What was given, as nested keys: enough to make this scene again."""
+        return _merge({}, self._given)
+
+    # ---- derived quantities
+
+    @property
+    def spacing(self) -> float:
+        """Rest spacing of the membrane, 2 R_m d2."""
+        return 2 * self.membrane.radius * self.membrane.spacing_ratio
+
+    @property
+    def box_sides(self) -> tuple[float, float, float]:
+        """L_x, L_y of the lattice, and L_z."""
+        nx, ny = self.membrane.lattice
+        return nx * self.spacing, ny * self.spacing * math.sqrt(3) / 2, self.box_height
+
+    @property
+    def membrane_height(self) -> float:
+        """z of the flat membrane."""
+        height = self.membrane.height
+        return 16 * self.cells.radius if height is None else height
+
+    @property
+    def contact(self) -> float:
+        """Contact length of cells and membrane, R_c + R_m."""
+        return self.cells.radius + self.membrane.radius
+
+    @property
+    def has_cells(self) -> bool:
+        return self.cells.stem + self.cells.nd > 0
+
+    @property
+    def cell_seed(self) -> int:
+        return self.cells.seed or self.seed
+
+    @property
+    def dermis_seed(self) -> int:
+        return self.dermis.seed or self.seed
+
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """The kinds of particles of this scene, in the order of their LAMMPS types."""
+        kinds = [Kind.DERMAL] if self.dermis.present else []
+        kinds.append(Kind.MEMBRANE)
+        if self.cells.stem:
+            kinds += [Kind.STEM, Kind.TA, Kind.EXHAUSTED]
+        if self.cells.nd:
+            kinds.append(Kind.ND)
+        return tuple(kinds)
+
+    # ---- what the single keys cannot know
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        for problem in self._contradictions():
+            raise ValueError(problem)
+        return self
+
+    def _contradictions(self) -> Iterator[str]:
+        nx, ny = self.membrane.lattice
+        least = self.smallest_lattice
+        if ny % 2:
+            yield f"membrane.lattice = [{nx}, {ny}]: the number of rows must be even"
+        if nx < least[0] or ny < least[1]:
+            yield f"membrane.lattice = [{nx}, {ny}]: must be at least [{least[0]}, {least[1]}]"
+        if nx * ny > 50_000_000:
+            yield f"membrane.lattice = [{nx}, {ny}]: more than 50,000,000 particles"
+        lx, ly, lz = self.box_sides
+        if self.box and max(abs(self.box[0] - lx), abs(self.box[1] - ly)) > 1e-3:
+            yield (
+                f"box = [{self.box[0]:g}, {self.box[1]:g}]: the lattice [{nx}, {ny}] at spacing "
+                f"{self.spacing:g} gives [{lx:.6g}, {ly:.6g}]; leave box out or change the lattice"
+            )
+        if self.membrane_height + 4 * self.contact > lz:
+            yield (
+                f"box_height = {lz:g}: must be at least {self.membrane_height + 4 * self.contact:g}"
+                f", the membrane's height {self.membrane_height:g} and room for cells"
+            )
+        if self.dermis.present and self.membrane_height < 4 * self.dermis.radius:
+            yield (
+                f"membrane.height = {self.membrane_height:g}: must be at least 4 R_d = "
+                f"{4 * self.dermis.radius:g} to hold a dermis"
+            )
+        yield from self._cell_contradictions()
+        yield from self._numerical_contradictions()
+
+    def _cell_contradictions(self) -> Iterator[str]:
+        cells, membrane = self.cells, self.membrane
+        mesh = 2 * membrane.radius * (1 + membrane.spacing_ratio) / math.sqrt(3)
+        if self.has_cells and self.contact <= mesh:
+            yield (
+                f"cells.radius = {cells.radius:g}: must be above {mesh - membrane.radius:.4g}, or "
+                f"cells pass through the mesh (R_c + R_m must exceed {mesh:.4g}, the circumradius "
+                "of a triangle of links at their singular length)"
+            )
+        start = 2 * cells.division_separation * cells.radius
+        if start >= cells.radius:
+            yield f"cells.division_separation = {cells.division_separation:g}: must be below 0.5"
+        with_nd = cells.arrangement in ("core", "alternating", "halves")
+        if with_nd and not (cells.stem and cells.nd):
+            yield (
+                f"cells.arrangement = '{cells.arrangement}': needs both stem and ND cells, got "
+                f"stem = {cells.stem} and nd = {cells.nd}"
+            )
+        if cells.arrangement == "alternating" and cells.stem != cells.nd:
+            yield (
+                f"cells.nd = {cells.nd}: must equal cells.stem = {cells.stem} in the alternating "
+                "arrangement"
+            )
+
+    def _numerical_contradictions(self) -> Iterator[str]:
+        numerics, output = self.numerics, self.output
+        if numerics.event_interval > self.cells.cycle_delay + 1 / self.cells.cycle_rate:
+            yield (
+                f"numerics.event_interval = {numerics.event_interval:g}: must be shorter than a "
+                f"cell cycle, {self.cells.cycle_delay + 1 / self.cells.cycle_rate:g}"
+            )
+        intervals = {
+            "output.thermo_interval": output.thermo_interval,
+            "output.dump_interval": output.dump_interval,
+            "output.checkpoint_interval": output.checkpoint_interval,
+            "end_time": self.end_time,
+        }
+        for key, value in intervals.items():
+            if 0 < value < numerics.timestep:
+                yield f"{key} = {value:g}: must be at least the timestep, {numerics.timestep:g}"
+        if self.end_time / numerics.timestep > 1e12:
+            yield f"end_time = {self.end_time:g}: more than 1e12 steps of {numerics.timestep:g}"
+
+
+def _merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """Nested dictionaries merged, `over` winning; both are left as they are."""
+    merged: dict[str, Any] = {
+        key: _merge({}, value) if isinstance(value, Mapping) else value
+        for key, value in base.items()
+    }
+    for key, value in over.items():
+        if isinstance(value, Mapping):
+            below = merged.get(key)
+            merged[key] = _merge(below if isinstance(below, Mapping) else {}, value)
+        else:
+            merged[key] = value
+    return merged
+
+
+def _as_tuples(given: Mapping[str, Any]) -> dict[str, Any]:
+    """TOML has arrays where the scene has pairs."""
+    return {
+        key: tuple(value)
+        if isinstance(value, list)
+        else _as_tuples(value)
+        if isinstance(value, Mapping)
+        else value
+        for key, value in given.items()
+    }
+
+
+def _first_line(model: type[BaseModel], error: ValidationError) -> str:
+    """First problem of a validation as `key = value: what is allowed`."""
+    problem = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in problem["loc"] if isinstance(part, str))
+    if problem["type"] == "value_error":
+        return str(problem["msg"]).removeprefix("Value error, ")
+    if problem["type"] == "extra_forbidden":
+        return f"{key} = {problem['input']!r}: unknown key; allowed: {_keys_beside(model, key)}"
+    message = str(problem["msg"])
+    return f"{key} = {problem['input']!r}: {message[0].lower()}{message[1:]}"
+
+
+def _keys_beside(model: type[BaseModel], key: str) -> str:
+    """The known keys of the part in which an unknown key stands."""
+    for part in key.split(".")[:-1]:
+        annotation = model.model_fields[part].annotation
+        assert isinstance(annotation, type) and issubclass(annotation, BaseModel)
+        model = annotation
+    return ", ".join(model.model_fields)

@@ -1,0 +1,180 @@
+"""A scene in LAMMPS, driven from Python."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from lammps_skin.build import SCENE_FILE, build
+from lammps_skin.configuration import Configuration
+from lammps_skin.engine import FIX_TERMS, Cells, Engine, Forces
+from lammps_skin.errors import SceneError, SimulationError
+from lammps_skin.ranks import RankedEngine
+from lammps_skin.scene import Scene
+from lammps_skin.terms import pair_terms
+
+Progress = Callable[[float, Any], None]
+
+
+class Simulation:
+    """A run of a scene; a context manager that closes LAMMPS.
+
+    Parameters
+    ----------
+    scene : Scene, str, Path or None
+        What to simulate, or the name or file of it. None takes the scene that was already
+        built in `directory`, as it is.
+    directory : path, optional
+        Where inputs and output go; a temporary folder, removed at the end, if not given.
+    configuration : Configuration, optional
+        Initial state; built from the scene if not given.
+    ranks, threads : int
+        MPI ranks, and OpenMP threads of each.
+    variables : mapping, optional
+        Overrides of variables of scene.in, as ``-var`` on the command line.
+
+    Raises
+    ------
+    SceneError, ConfigurationError
+        For what cannot be built.
+    SimulationError
+        When LAMMPS stops.
+
+    Examples
+    --------
+    >>> with Simulation("two-cells") as simulation:
+    ...     simulation.run(until=10.0)
+    ...     adhesion = simulation.energies()["adhesion"]
+    """
+
+    def __init__(
+        self,
+        scene: Scene | str | Path | None = None,
+        directory: str | Path | None = None,
+        configuration: Configuration | None = None,
+        ranks: int = 1,
+        threads: int = 1,
+        variables: Mapping[str, Any] | None = None,
+    ) -> None:
+        for name, value in (("ranks", ranks), ("threads", threads)):
+            if not isinstance(value, int) or not 1 <= value <= 4096:
+                raise SimulationError(f"{name} = {value!r}: must be a whole number from 1 to 4096")
+        if isinstance(scene, (str, Path)):
+            scene = Scene.load(scene)
+        self._temporary = None if directory else tempfile.TemporaryDirectory(prefix="skin-")
+        self.directory = Path(directory or self._temporary.name).resolve()  # type: ignore[union-attr]
+        if scene is None:
+            self.scene = load_built(self.directory)
+            start = _start_time(self.directory)
+        else:
+            self.scene = scene
+            start = build(scene, self.directory, configuration).time
+        arguments = (
+            self.directory, self.scene.kinds, present_terms(self.scene),
+            {**(variables or {}), "end_time": start}, threads,
+        )  # fmt: skip
+        self._engine: Any = Engine(*arguments) if ranks == 1 else RankedEngine(ranks, *arguments)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End LAMMPS and remove a temporary directory."""
+        if self._engine is not None:
+            self._engine.close()
+            self._engine = None
+        if self._temporary:
+            self._temporary.cleanup()
+
+    @property
+    def time(self) -> float:
+        """Time reached."""
+        return float(self._running.time())
+
+    def run(
+        self, until: float | None = None, progress: Progress | None = None, every: float = 1.0
+    ) -> None:
+        """Advance to a time, by default the scene's end time.
+
+        Parameters
+        ----------
+        until : float, optional
+        progress : callable, optional
+            Called as ``progress(time, simulation)`` after each piece of the run.
+        every : float
+            Length of the pieces in time units.
+        """
+        engine = self._running
+        timestep = engine.timestep()
+        last = round((self.scene.end_time if until is None else until) / timestep)
+        step = engine.step()
+        if last < step:
+            raise SimulationError(f"until = {until}: the run is already at {self.time:g}")
+        piece = last - step if progress is None else max(round(every / timestep), 1)
+        while step < last:
+            step = min(step + piece, last)
+            engine.run_to(step)
+            if progress:
+                progress(self.time, self)
+
+    def command(self, text: str) -> None:
+        """Give LAMMPS a command."""
+        self._running.command(text)
+
+    def energies(self) -> dict[str, float]:
+        """Energy of every term of the model at the current time, by name."""
+        energies: dict[str, float] = self._running.energies()
+        return energies
+
+    def forces(self) -> Forces:
+        """Ids, types, positions and forces of all particles, sorted by id."""
+        forces: Forces = self._running.forces()
+        return forces
+
+    def cells(self) -> Cells:
+        """State of the living cells, sorted by id."""
+        cells: Cells = self._running.cells()
+        return cells
+
+    @property
+    def _running(self) -> Any:
+        if self._engine is None:
+            raise SimulationError("this simulation is closed")
+        return self._engine
+
+
+def load_built(directory: Path) -> Scene:
+    """Scene of a directory that was built before."""
+    if not (directory / "skin.in").is_file():
+        raise SceneError(f"directory {directory}: holds no built scene (there is no skin.in)")
+    return Scene.load(directory / SCENE_FILE)
+
+
+def _start_time(directory: Path) -> float:
+    """Start time in the scene.in of a built scene."""
+    path = directory / "scene.in"
+    for line in path.read_text("utf-8").splitlines() if path.is_file() else []:
+        if line.split()[1:2] == ["start_time"]:
+            return float(line.split()[3])
+    raise SceneError(f"{path}: states no start_time; build the scene again")
+
+
+def present_terms(scene: Scene) -> tuple[str, ...]:
+    """Names of the terms that a scene has."""
+    terms = [term.name for term in pair_terms(scene)] + ["stretch", "bend"]
+    if scene.dermis.present:
+        terms.append("wall")
+    if scene.has_cells:
+        terms += FIX_TERMS
+    return tuple(terms)

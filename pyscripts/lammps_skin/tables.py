@@ -1,0 +1,92 @@
+"""Potential tables in the formats of ``pair_style table`` and ``bond_style table``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Potential = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class Table:
+    """One tabulated term.
+
+    Parameters
+    ----------
+    keyword : str
+        Name of the section in the file.
+    energy, force : callable
+        Energy and force -dU/dr at distances r, vectorised.
+    distances : (n,) array
+        Grid, uniform in r^2 for a pair and in r for a bond.
+    squared : bool
+        Whether the grid is uniform in r^2.
+    """
+
+    keyword: str
+    energy: Potential
+    force: Potential
+    distances: Floats
+    squared: bool
+
+    @property
+    def outer(self) -> float:
+        """Largest distance, the cutoff of a pair."""
+        return float(self.distances[-1])
+
+    def interpolation_error(self) -> float:
+        """Largest error of the force halfway between grid points, linear interpolation.
+
+        Relative to the force there or to 1e-3 of the median force, whichever is larger;
+        `pair_style table` interpolates F/r over r^2, `bond_style table` F over r.
+        """
+        r = self.distances
+        halfway = np.sqrt((r[1:] ** 2 + r[:-1] ** 2) / 2) if self.squared else (r[1:] + r[:-1]) / 2
+        weight = r if self.squared else np.ones_like(r)
+        stored = self.force(r) / weight
+        between = (stored[1:] + stored[:-1]) / 2 * (halfway if self.squared else 1.0)
+        exact = self.force(halfway)
+        scale = np.maximum(np.abs(exact), 1e-3 * np.median(np.abs(exact)) + 1e-300)
+        return float(np.max(np.abs(between - exact) / scale))
+
+    def write(self, path: Path) -> None:
+        """Write the file, all digits."""
+        r = self.distances
+        grid = f" RSQ {r[0]:.17g} {r[-1]:.17g}" if self.squared else ""
+        rows = np.column_stack([np.arange(1, len(r) + 1), r, self.energy(r), self.force(r)])
+        with path.open("w", encoding="utf-8") as file:
+            file.write(
+                f"# {self.keyword}: index, distance, energy, force; written by lammps-skin\n"
+                f"# largest relative force error of linear interpolation: "
+                f"{self.interpolation_error():.1e}\n\n{self.keyword}\nN {len(r)}{grid}\n\n"
+            )
+            np.savetxt(file, rows, fmt=["%d", "%.17g", "%.17g", "%.17g"])
+
+
+def pair_grid(contact: float, inner: float, outer: float, points: int) -> Floats:
+    """Distances uniform in r^2 from about `inner` to `outer` (both in contact lengths).
+
+    The contact length is one of the points: the potentials have a kink in their force there.
+    """
+    beyond = outer**2 - 1
+    if beyond <= 0:
+        return contact * np.sqrt(np.linspace(inner**2, outer**2, points))
+    steps = max(round(beyond / (outer**2 - inner**2) * (points - 1)), 1)
+    step = beyond / steps
+    below = int((1 - inner**2) / step)
+    return contact * np.sqrt(1 + step * np.arange(-below, steps + 1))
+
+
+def bond_grid(inner: float, kink: float, outer: float, points: int) -> Floats:
+    """Distances uniform in r within [inner, outer], the kink being one of them."""
+    step = (outer - inner) / (points - 1)
+    step = kink / np.ceil(kink / step)
+    first = int(np.ceil(inner / step))
+    last = int(np.floor(outer / step))
+    return step * np.arange(first, last + 1)
