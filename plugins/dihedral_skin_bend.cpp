@@ -1,7 +1,7 @@
 // Bending of a triangulated membrane: each dihedral (i1,i2,i3,i4) is a link i2-i3 with the
 // triangles (i1,i2,i3) and (i4,i3,i2) on its two sides, E = K/2 (1 - N1.N2)^2.
-// Normals are computed once per triangle; the links then only add up dE/dN of their two
-// triangles, and one pass over the triangles turns that into forces.
+// Normals are computed once per triangle; a second pass gathers those of the triangles across
+// its links, which give dE/dN, and turns that into forces on its three corners.
 
 #include "dihedral_skin_bend.h"
 
@@ -49,35 +49,51 @@ void DihedralSkinBend::compute(int eflag, int vflag)
   if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) build_triangles();
 
   compute_normals();
-  compute_hinges();
-  compute_forces();
+  if (eflag_either || vflag_either) compute_forces<true>();
+  else compute_forces<false>();
 }
 
 /* ----------------------------------------------------------------------
-   list the distinct triangles of all links, for the atom order of this neighbor build
+   list the distinct triangles of all links and which lie across each other, for the atom
+   order of this neighbor build
 ------------------------------------------------------------------------- */
 
 void DihedralSkinBend::build_triangles()
 {
-  const int nhinges = neighbor->ndihedrallist;
-  int **dihedrallist = neighbor->dihedrallist;
-
   first_of_vertex.assign(atom->nlocal + atom->nghost, -1);
   next_of_triangle.clear();
   triangles.clear();
-  hinges.resize(nhinges);
 
-  for (int n = 0; n < nhinges; n++) {
-    const int *d = dihedrallist[n];
-    hinges[n].side[0] = find_triangle(d[0], d[1], d[2]);
-    hinges[n].side[1] = find_triangle(d[3], d[2], d[1]);
-    hinges[n].type = d[4];
+  for (int n = 0; n < neighbor->ndihedrallist; n++) {
+    const int *d = neighbor->dihedrallist[n];
+    const int left = find_triangle(d[0], d[1], d[2]);
+    const int right = find_triangle(d[3], d[2], d[1]);
+    hinge(left, d[0], right, d[4]);
+    hinge(right, d[3], left, d[4]);
   }
 
   normals.resize(triangles.size());
-  gradients.resize(triangles.size());
   built_call = neighbor->ncalls;
   built_step = neighbor->lastcall;
+}
+
+/* ----------------------------------------------------------------------
+   note that a triangle has another one across the link opposite to one of its vertices
+------------------------------------------------------------------------- */
+
+void DihedralSkinBend::hinge(int t, int opposite, int other, int type)
+{
+  Triangle &triangle = triangles[t];
+  int k = 0;
+  while (triangle.vertex[k] != opposite) k++;
+  if (triangle.across[k] != t) {
+    const tagint *tag = atom->tag;
+    error->one(FLERR, "Dihedral skin/bend: two dihedrals for one link of the triangle of atoms "
+               "{} {} {}", tag[triangle.vertex[0]], tag[triangle.vertex[1]],
+               tag[triangle.vertex[2]]);
+  }
+  triangle.across[k] = other;
+  triangle.type[k] = type;
 }
 
 /* ----------------------------------------------------------------------
@@ -99,7 +115,10 @@ int DihedralSkinBend::find_triangle(int a, int b, int c)
     if (triangles[t].vertex[1] == v[1] && triangles[t].vertex[2] == v[2]) return t;
 
   const int t = (int) triangles.size();
-  triangles.push_back({{v[0], v[1], v[2]}});
+
+  // across a link that has no dihedral here lies the triangle itself: no fold, no energy
+
+  triangles.push_back({{v[0], v[1], v[2]}, {t, t, t}, {1, 1, 1}});
   next_of_triangle.push_back(first_of_vertex[v[0]]);
   first_of_vertex[v[0]] = t;
   return t;
@@ -128,64 +147,38 @@ void DihedralSkinBend::compute_normals()
 
     const double inverse = 1.0 / sqrt(lengthsq);
     normals[t] = {{nx * inverse, ny * inverse, nz * inverse}, inverse};
-    gradients[t] = {{0.0, 0.0, 0.0}};
   }
 }
 
 /* ----------------------------------------------------------------------
-   energy of every link, and dE/dN added to its two triangles
+   each triangle gathers dE/dN over its three links and turns it into forces on its corners
 ------------------------------------------------------------------------- */
 
-void DihedralSkinBend::compute_hinges()
-{
-  const int nhinges = (int) hinges.size();
-  double total = 0.0;
-
-  for (int n = 0; n < nhinges; n++) {
-    const Hinge &hinge = hinges[n];
-    const double *a = normals[hinge.side[0]].unit;
-    const double *b = normals[hinge.side[1]].unit;
-    double *ga = gradients[hinge.side[0]].value;
-    double *gb = gradients[hinge.side[1]].value;
-
-    const double fold = 1.0 - (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-    const double slope = stiffness[hinge.type] * fold;
-
-    ga[0] -= slope * b[0];
-    ga[1] -= slope * b[1];
-    ga[2] -= slope * b[2];
-    gb[0] -= slope * a[0];
-    gb[1] -= slope * a[1];
-    gb[2] -= slope * a[2];
-
-    if (eflag_either) {
-      const double e = 0.5 * slope * fold;
-      total += e;
-      if (eflag_atom)
-        for (int k = 0; k < 4; k++) eatom[neighbor->dihedrallist[n][k]] += 0.25 * e;
-    }
-  }
-
-  if (eflag_global) energy += total;
-}
-
-/* ----------------------------------------------------------------------
-   forces from dE/dN; both virials follow from the two edges of each triangle
-------------------------------------------------------------------------- */
-
-void DihedralSkinBend::compute_forces()
+template <bool TALLY> void DihedralSkinBend::compute_forces()
 {
   const double *const *const x = atom->x;
   double *const *const f = atom->f;
   const int ntriangles = (int) triangles.size();
 
   for (int t = 0; t < ntriangles; t++) {
-    const int *v = triangles[t].vertex;
+    const Triangle &triangle = triangles[t];
+    const double *n = normals[t].unit;
+    double g[3] = {0.0, 0.0, 0.0};
+
+    for (int k = 0; k < 3; k++) {
+      const double *m = normals[triangle.across[k]].unit;
+      const double fold = 1.0 - (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]);
+      const double slope = stiffness[triangle.type[k]] * fold;
+      g[0] -= slope * m[0];
+      g[1] -= slope * m[1];
+      g[2] -= slope * m[2];
+      if (TALLY && eflag_either) tally_energy(triangle, k, 0.5 * slope * fold);
+    }
+
+    const int *v = triangle.vertex;
     const double *o = x[v[0]], *p = x[v[1]], *q = x[v[2]];
     const double e1[3] = {p[0] - o[0], p[1] - o[1], p[2] - o[2]};
     const double e2[3] = {q[0] - o[0], q[1] - o[1], q[2] - o[2]};
-    const double *n = normals[t].unit;
-    const double *g = gradients[t].value;
 
     // h = dE/d(unnormalised normal)
 
@@ -205,17 +198,37 @@ void DihedralSkinBend::compute_forces()
       f[v[1]][k] += fp[k];
       f[v[2]][k] += fq[k];
     }
+    if (TALLY && vflag_either) tally_virial(triangle, e1, fp, e2, fq);
+  }
+}
 
-    if (vflag_either) {
-      const double w[6] = {e1[0] * fp[0] + e2[0] * fq[0], e1[1] * fp[1] + e2[1] * fq[1],
-                           e1[2] * fp[2] + e2[2] * fq[2], e1[0] * fp[1] + e2[0] * fq[1],
-                           e1[0] * fp[2] + e2[0] * fq[2], e1[1] * fp[2] + e2[1] * fq[2]};
-      for (int k = 0; k < 6; k++) {
-        if (vflag_global) virial[k] += w[k];
-        if (vflag_atom)
-          for (int c = 0; c < 3; c++) vatom[v[c]][k] += w[k] / 3.0;
-      }
-    }
+/* ----------------------------------------------------------------------
+   half of a link's energy, seen from the triangle on one of its sides; of the whole, each of
+   the four atoms of the dihedral has a quarter
+------------------------------------------------------------------------- */
+
+void DihedralSkinBend::tally_energy(const Triangle &triangle, int opposite, double link)
+{
+  if (eflag_global) energy += 0.5 * link;
+  if (eflag_atom)
+    for (int k = 0; k < 3; k++)
+      eatom[triangle.vertex[k]] += (k == opposite ? 0.25 : 0.125) * link;
+}
+
+/* ----------------------------------------------------------------------
+   virial of a triangle, from its two edges and the forces at their ends
+------------------------------------------------------------------------- */
+
+void DihedralSkinBend::tally_virial(const Triangle &triangle, const double *e1, const double *f1,
+                                    const double *e2, const double *f2)
+{
+  const double w[6] = {e1[0] * f1[0] + e2[0] * f2[0], e1[1] * f1[1] + e2[1] * f2[1],
+                       e1[2] * f1[2] + e2[2] * f2[2], e1[0] * f1[1] + e2[0] * f2[1],
+                       e1[0] * f1[2] + e2[0] * f2[2], e1[1] * f1[2] + e2[1] * f2[2]};
+  for (int k = 0; k < 6; k++) {
+    if (vflag_global) virial[k] += w[k];
+    if (vflag_atom)
+      for (int c = 0; c < 3; c++) vatom[triangle.vertex[c]][k] += w[k] / 3.0;
   }
 }
 
@@ -307,8 +320,7 @@ double DihedralSkinBend::memory_usage()
 {
   double bytes = Dihedral::memory_usage();
   bytes += (double) triangles.capacity() *
-      (sizeof(Triangle) + sizeof(Normal) + sizeof(Gradient) + sizeof(int));
-  bytes += (double) hinges.capacity() * sizeof(Hinge);
+      (sizeof(Triangle) + sizeof(Normal) + sizeof(int));
   bytes += (double) first_of_vertex.capacity() * sizeof(int);
   return bytes;
 }

@@ -22,34 +22,30 @@ class DihedralSkinBend : public Dihedral {
  private:
   struct Triangle {
     int vertex[3];
-  };
-  struct Hinge {
-    int side[2];    // its two triangles
-    int type;
+    int across[3];    // triangle on the other side of the link opposite to each vertex
+    int type[3];      // dihedral type of that link
   };
   struct Normal {
     double unit[3];
     double inverse;    // 1 / length of the unnormalised normal
-  };
-  struct Gradient {
-    double value[3];    // dE/d(unit normal)
   };
 
   double *stiffness;
 
   bigint built_call, built_step;    // the neighbor build the triangles belong to
   std::vector<Triangle> triangles;
-  std::vector<Hinge> hinges;
   std::vector<Normal> normals;
-  std::vector<Gradient> gradients;
   std::vector<int> first_of_vertex, next_of_triangle;    // triangles by their first vertex
 
   void allocate();
   void build_triangles();
   int find_triangle(int, int, int);
+  void hinge(int, int, int, int);
   void compute_normals();
-  void compute_hinges();
-  void compute_forces();
+  template <bool TALLY> void compute_forces();
+  void tally_energy(const Triangle &, int, double);
+  void tally_virial(const Triangle &, const double *, const double *, const double *,
+                    const double *);
   void degenerate(int);
 };
 

@@ -19,7 +19,8 @@ void SkinNearest::bin(int n, const double *const *x, const int *type, const tagi
                       int membrane, double column_width)
 {
   width = column_width;
-  double hi[2];
+  double hi[2] = {0.0, 0.0};
+  lo[0] = lo[1] = 0.0;
   int count = 0;
   for (int i = 0; i < n; i++) {
     if (type[i] != membrane) continue;

@@ -12,6 +12,7 @@ from typing import Any
 
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError
+from lammps_skin.kinds import CELLS
 from lammps_skin.scene import Scene
 from lammps_skin.terms import (
     PairTerm,
@@ -53,7 +54,7 @@ def build(
 def _write(scene: Scene, directory: Path, configuration: Configuration) -> None:
     terms = pair_terms(scene)
     for script in SCRIPTS:
-        if _needed(script, scene):
+        if _needed(script, scene) and directory.resolve() != INPUTS.resolve():
             shutil.copyfile(INPUTS / script, directory / script)
     for term in terms:
         if term.table:
@@ -77,12 +78,10 @@ def _variables(
     """Lines of scene.in; index variables can be overridden with ``-var``."""
 
     def index(name: str, value: Any) -> str:
-        text = f"{value:.17g}" if isinstance(value, float) else str(value)
-        return f"variable        {name} index {text}"
+        return f"variable        {name} index {value}"
 
     def string(name: str, *values: Any) -> str:
-        return index(name, '"' + " ".join(f"{v:.17g}" if isinstance(v, float) else str(v)
-                                          for v in values) + '"')  # fmt: skip
+        return index(name, '"' + " ".join(str(value) for value in values) + '"')
 
     start_step = round(configuration.time / scene.numerics.timestep)
     yield "# run: these can be overridden with -var"
@@ -93,7 +92,6 @@ def _variables(
     yield index("dump_interval", scene.output.dump_interval)
     yield index("checkpoint_interval", scene.output.checkpoint_interval)
     yield index("event_interval", scene.numerics.event_interval)
-    yield index("restart", "none")
     yield "\n# parts"
     yield index("has_dermis", int(scene.dermis.present))
     yield index("has_cells", int(scene.has_cells))
@@ -102,6 +100,7 @@ def _variables(
     yield "\n# numerics"
     yield index("neighbor_skin", scene.numerics.neighbor_skin)
     yield index("ghost_cutoff", ghost_cutoff(scene, configuration))
+    yield string("collections", *_collections(scene))
     yield "\n# pair terms: sub-style, where its table is if it has one, and its coefficients"
     yield string("pair_styles", *(term.style for term in terms))
     for term, style in zip(terms, _numbered(terms), strict=True):
@@ -137,6 +136,13 @@ def _cell_variables(scene: Scene, string: Any) -> Iterator[str]:
     yield string("offset", cells.division_separation * cells.radius)
 
 
+def _collections(scene: Scene) -> list[str]:
+    """Collections of types for the neighbor search: dermis, membrane, all cells together."""
+    single = [str(n) for n, kind in enumerate(scene.kinds, 1) if kind not in CELLS]
+    cells = [f"{len(single) + 1}*{len(scene.kinds)}"] if scene.has_cells else []
+    return [str(len(single + cells)), *single, *cells]
+
+
 def _numbered(terms: list[PairTerm]) -> Iterator[str]:
     """Names of sub-styles as hybrid wants them: with a number where one occurs several times."""
     names = [term.style.split()[0] for term in terms]
@@ -162,12 +168,11 @@ def ghost_cutoff(scene: Scene, configuration: Configuration) -> float:
 
 def to_toml(given: dict[str, Any], prefix: str = "") -> str:
     """Nested keys as TOML."""
-    values = {key: value for key, value in given.items() if not isinstance(value, dict)}
-    lines = [f"{key} = {_toml_value(value)}" for key, value in values.items()]
+    lines = [f"{key} = {_toml_value(v)}" for key, v in given.items() if not isinstance(v, dict)]
     for key, value in given.items():
         if isinstance(value, dict):
-            lines += ["", f"[{prefix}{key}]", to_toml(value, f"{prefix}{key}.")]
-    return "\n".join(lines).strip() + "\n"
+            lines += ["", f"[{prefix}{key}]", to_toml(value, f"{prefix}{key}.").rstrip("\n")]
+    return "\n".join(lines).lstrip("\n") + "\n"
 
 
 def _toml_value(value: Any) -> str:

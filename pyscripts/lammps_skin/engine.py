@@ -103,7 +103,7 @@ class Engine:
     ) -> None:
         arguments = ["-log", str(directory / "log.lammps"), "-var", "dir", str(directory)]
         for name, value in variables.items():
-            arguments += ["-var", name, f"{value:.17g}" if isinstance(value, float) else str(value)]
+            arguments += ["-var", name, str(value)]
         if threads > 1:
             arguments += ["-sf", "omp", "-pk", "omp", str(threads)]
         self._kinds = np.array([0, *kinds])

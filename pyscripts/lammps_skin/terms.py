@@ -81,7 +81,7 @@ class Shape:
 
 def lennard_jones(stiffness: float, contact: float, cutoff: float) -> str:
     """Coefficients epsilon, sigma and cutoff of K phi(d/D)."""
-    return f"{stiffness / 12:.17g} {contact / 2 ** (1 / 6):.17g} {cutoff:.17g}"
+    return f"{stiffness / 12!r} {contact / 2 ** (1 / 6)!r} {cutoff!r}"
 
 
 def pair_shapes(scene: Scene) -> list[Shape]:
@@ -137,11 +137,11 @@ def pair_terms(scene: Scene) -> list[PairTerm]:
         cutoff = shape.contact * shape.range
         if shape.lennard_jones and numerics.pair_form == "analytic":
             coefficients = lennard_jones(shape.stiffness, shape.contact, cutoff)
-            terms.append(PairTerm(shape.name, f"lj/cut {cutoff:.17g}", coefficients, cutoff, None))
+            terms.append(PairTerm(shape.name, f"lj/cut {cutoff!r}", coefficients, cutoff, None))
             continue
         table = shape.table(numerics.table_points)
         style = f"table {numerics.table_style} {len(table.distances)}"
-        coefficients = f"{shape.name}.table {table.keyword} {cutoff:.17g}"
+        coefficients = f"{shape.name}.table {table.keyword} {cutoff!r}"
         terms.append(PairTerm(shape.name, style, coefficients, cutoff, table))
     return terms
 
