@@ -5,6 +5,8 @@
 
 #include "dihedral_skin_bend.h"
 
+#include "skin_vector.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
@@ -24,7 +26,7 @@ static constexpr double SMALLEST_NORMAL = 1.0e-10;
 /* ---------------------------------------------------------------------- */
 
 DihedralSkinBend::DihedralSkinBend(LAMMPS *lmp) :
-    Dihedral(lmp), stiffness(nullptr), built_call(-1), built_step(-1)
+    Dihedral(lmp), stiffness(nullptr), ntriangles(0), built_call(-1), built_step(-1)
 {
   writedata = 1;
   centroidstressflag = CENTROID_NOTAVAIL;
@@ -40,6 +42,79 @@ DihedralSkinBend::~DihedralSkinBend()
   }
 }
 
+/* ----------------------------------------------------------------------
+   normals of all triangles; returns how many have none
+------------------------------------------------------------------------- */
+
+SKIN_VECTOR static int normals_of(int n, const double *__restrict x, const int *__restrict c0,
+                                  const int *__restrict c1, const int *__restrict c2,
+                                  double *__restrict nx, double *__restrict ny,
+                                  double *__restrict nz, double *__restrict inverse)
+{
+  int without = 0;
+  for (int t = 0; t < n; t++) {
+    const int o = 3 * c0[t], p = 3 * c1[t], q = 3 * c2[t];
+    const double ax = x[p] - x[o], ay = x[p + 1] - x[o + 1], az = x[p + 2] - x[o + 2];
+    const double bx = x[q] - x[o], by = x[q + 1] - x[o + 1], bz = x[q + 2] - x[o + 2];
+    const double vx = ay * bz - az * by, vy = az * bx - ax * bz, vz = ax * by - ay * bx;
+    const double lengthsq = vx * vx + vy * vy + vz * vz;
+    const double inv = 1.0 / sqrt(lengthsq);
+
+    // the negated test also catches NaN
+
+    without += !(lengthsq > SMALLEST_NORMAL * SMALLEST_NORMAL);
+    nx[t] = vx * inv;
+    ny[t] = vy * inv;
+    nz[t] = vz * inv;
+    inverse[t] = inv;
+  }
+  return without;
+}
+
+/* ----------------------------------------------------------------------
+   each triangle gathers dE/dN over its three links and turns it into forces on its corners:
+   g = dE/d(unit normal), h = dE/d(unnormalised normal); a and b are its edges from corner 0
+------------------------------------------------------------------------- */
+
+SKIN_VECTOR static void forces_of(int n, const double *__restrict x, const int *const *corner,
+                                  const int *const *across, const int *const *type,
+                                  const double *__restrict stiffness, const double *const *normal,
+                                  const double *__restrict inverse, double *const *push)
+{
+  const int *__restrict c0 = corner[0], *__restrict c1 = corner[1], *__restrict c2 = corner[2];
+  const double *__restrict nx = normal[0], *__restrict ny = normal[1], *__restrict nz = normal[2];
+  double *__restrict px = push[0], *__restrict py = push[1], *__restrict pz = push[2];
+  double *__restrict qx = push[3], *__restrict qy = push[4], *__restrict qz = push[5];
+  const int *__restrict m0 = across[0], *__restrict m1 = across[1], *__restrict m2 = across[2];
+  const int *__restrict k0 = type[0], *__restrict k1 = type[1], *__restrict k2 = type[2];
+
+  for (int t = 0; t < n; t++) {
+    const double ux = nx[t], uy = ny[t], uz = nz[t];
+    const int i = m0[t], j = m1[t], k = m2[t];
+    const double si = stiffness[k0[t]] * (ux * nx[i] + uy * ny[i] + uz * nz[i] - 1.0);
+    const double sj = stiffness[k1[t]] * (ux * nx[j] + uy * ny[j] + uz * nz[j] - 1.0);
+    const double sk = stiffness[k2[t]] * (ux * nx[k] + uy * ny[k] + uz * nz[k] - 1.0);
+    const double gx = si * nx[i] + sj * nx[j] + sk * nx[k];
+    const double gy = si * ny[i] + sj * ny[j] + sk * ny[k];
+    const double gz = si * nz[i] + sj * nz[j] + sk * nz[k];
+
+    const double along = gx * ux + gy * uy + gz * uz;
+    const double hx = (gx - along * ux) * inverse[t];
+    const double hy = (gy - along * uy) * inverse[t];
+    const double hz = (gz - along * uz) * inverse[t];
+
+    const int o = 3 * c0[t], p = 3 * c1[t], q = 3 * c2[t];
+    const double ax = x[p] - x[o], ay = x[p + 1] - x[o + 1], az = x[p + 2] - x[o + 2];
+    const double bx = x[q] - x[o], by = x[q + 1] - x[o + 1], bz = x[q + 2] - x[o + 2];
+    px[t] = hy * bz - hz * by;
+    py[t] = hz * bx - hx * bz;
+    pz[t] = hx * by - hy * bx;
+    qx[t] = hz * ay - hy * az;
+    qy[t] = hx * az - hz * ax;
+    qz[t] = hy * ax - hx * ay;
+  }
+}
+
 /* ---------------------------------------------------------------------- */
 
 void DihedralSkinBend::compute(int eflag, int vflag)
@@ -47,10 +122,25 @@ void DihedralSkinBend::compute(int eflag, int vflag)
   ev_init(eflag, vflag);
 
   if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) build_triangles();
+  if (ntriangles == 0) return;
 
-  compute_normals();
-  if (eflag_either || vflag_either) compute_forces<true>();
-  else compute_forces<false>();
+  const double *x = atom->x[0];
+  if (normals_of(ntriangles, x, corner[0].data(), corner[1].data(), corner[2].data(),
+                 normal[0].data(), normal[1].data(), normal[2].data(), inverse.data()))
+    for (int t = 0; t < ntriangles; t++)
+      if (!(inverse[t] < 1.0 / SMALLEST_NORMAL)) degenerate(t);
+
+  const int *corners[] = {corner[0].data(), corner[1].data(), corner[2].data()};
+  const int *others[] = {across[0].data(), across[1].data(), across[2].data()};
+  const int *types[] = {type[0].data(), type[1].data(), type[2].data()};
+  const double *units[] = {normal[0].data(), normal[1].data(), normal[2].data()};
+  double *pushes[] = {push[0].data(), push[1].data(), push[2].data(),
+                      push[3].data(), push[4].data(), push[5].data()};
+  forces_of(ntriangles, x, corners, others, types, stiffness, units, inverse.data(), pushes);
+
+  add_forces();
+  if (eflag_either) tally_energy();
+  if (vflag_either) tally_virial();
 }
 
 /* ----------------------------------------------------------------------
@@ -62,7 +152,12 @@ void DihedralSkinBend::build_triangles()
 {
   first_of_vertex.assign(atom->nlocal + atom->nghost, -1);
   next_of_triangle.clear();
-  triangles.clear();
+  for (int k = 0; k < 3; k++) {
+    corner[k].clear();
+    across[k].clear();
+    type[k].clear();
+  }
+  ntriangles = 0;
 
   for (int n = 0; n < neighbor->ndihedrallist; n++) {
     const int *d = neighbor->dihedrallist[n];
@@ -72,7 +167,9 @@ void DihedralSkinBend::build_triangles()
     hinge(right, d[3], left, d[4]);
   }
 
-  normals.resize(triangles.size());
+  for (auto &component : normal) component.resize(ntriangles);
+  for (auto &component : push) component.resize(ntriangles);
+  inverse.resize(ntriangles);
   built_call = neighbor->ncalls;
   built_step = neighbor->lastcall;
 }
@@ -81,19 +178,16 @@ void DihedralSkinBend::build_triangles()
    note that a triangle has another one across the link opposite to one of its vertices
 ------------------------------------------------------------------------- */
 
-void DihedralSkinBend::hinge(int t, int opposite, int other, int type)
+void DihedralSkinBend::hinge(int t, int opposite, int other, int dihedral_type)
 {
-  Triangle &triangle = triangles[t];
   int k = 0;
-  while (triangle.vertex[k] != opposite) k++;
-  if (triangle.across[k] != t) {
-    const tagint *tag = atom->tag;
+  while (corner[k][t] != opposite) k++;
+  if (across[k][t] != t)
     error->one(FLERR, "Dihedral skin/bend: two dihedrals for one link of the triangle of atoms "
-               "{} {} {}", tag[triangle.vertex[0]], tag[triangle.vertex[1]],
-               tag[triangle.vertex[2]]);
-  }
-  triangle.across[k] = other;
-  triangle.type[k] = type;
+               "{} {} {}", atom->tag[corner[0][t]], atom->tag[corner[1][t]],
+               atom->tag[corner[2][t]]);
+  across[k][t] = other;
+  type[k][t] = dihedral_type;
 }
 
 /* ----------------------------------------------------------------------
@@ -112,13 +206,16 @@ int DihedralSkinBend::find_triangle(int a, int b, int c)
   }
 
   for (int t = first_of_vertex[v[0]]; t >= 0; t = next_of_triangle[t])
-    if (triangles[t].vertex[1] == v[1] && triangles[t].vertex[2] == v[2]) return t;
-
-  const int t = (int) triangles.size();
+    if (corner[1][t] == v[1] && corner[2][t] == v[2]) return t;
 
   // across a link that has no dihedral here lies the triangle itself: no fold, no energy
 
-  triangles.push_back({{v[0], v[1], v[2]}, {t, t, t}, {1, 1, 1}});
+  const int t = ntriangles++;
+  for (int k = 0; k < 3; k++) {
+    corner[k].push_back(v[k]);
+    across[k].push_back(t);
+    type[k].push_back(1);
+  }
   next_of_triangle.push_back(first_of_vertex[v[0]]);
   first_of_vertex[v[0]] = t;
   return t;
@@ -126,109 +223,57 @@ int DihedralSkinBend::find_triangle(int a, int b, int c)
 
 /* ---------------------------------------------------------------------- */
 
-void DihedralSkinBend::compute_normals()
+void DihedralSkinBend::add_forces()
 {
-  const double *const *const x = atom->x;
-  const int ntriangles = (int) triangles.size();
-
+  double *const f = atom->f[0];
   for (int t = 0; t < ntriangles; t++) {
-    const int *v = triangles[t].vertex;
-    const double *o = x[v[0]], *p = x[v[1]], *q = x[v[2]];
-    const double e1x = p[0] - o[0], e1y = p[1] - o[1], e1z = p[2] - o[2];
-    const double e2x = q[0] - o[0], e2y = q[1] - o[1], e2z = q[2] - o[2];
-    const double nx = e1y * e2z - e1z * e2y;
-    const double ny = e1z * e2x - e1x * e2z;
-    const double nz = e1x * e2y - e1y * e2x;
-    const double lengthsq = nx * nx + ny * ny + nz * nz;
-
-    // the negated test also catches NaN
-
-    if (!(lengthsq > SMALLEST_NORMAL * SMALLEST_NORMAL)) degenerate(t);
-
-    const double inverse = 1.0 / sqrt(lengthsq);
-    normals[t] = {{nx * inverse, ny * inverse, nz * inverse}, inverse};
+    double *o = f + 3 * corner[0][t], *p = f + 3 * corner[1][t], *q = f + 3 * corner[2][t];
+    for (int d = 0; d < 3; d++) {
+      o[d] -= push[d][t] + push[3 + d][t];
+      p[d] += push[d][t];
+      q[d] += push[3 + d][t];
+    }
   }
 }
 
 /* ----------------------------------------------------------------------
-   each triangle gathers dE/dN over its three links and turns it into forces on its corners
+   each link is seen from both of its triangles, half of its energy from each; of the whole,
+   each of the four atoms of the dihedral has a quarter
 ------------------------------------------------------------------------- */
 
-template <bool TALLY> void DihedralSkinBend::compute_forces()
+void DihedralSkinBend::tally_energy()
 {
-  const double *const *const x = atom->x;
-  double *const *const f = atom->f;
-  const int ntriangles = (int) triangles.size();
-
   for (int t = 0; t < ntriangles; t++) {
-    const Triangle &triangle = triangles[t];
-    const double *n = normals[t].unit;
-    double g[3] = {0.0, 0.0, 0.0};
-
     for (int k = 0; k < 3; k++) {
-      const double *m = normals[triangle.across[k]].unit;
-      const double fold = 1.0 - (n[0] * m[0] + n[1] * m[1] + n[2] * m[2]);
-      const double slope = stiffness[triangle.type[k]] * fold;
-      g[0] -= slope * m[0];
-      g[1] -= slope * m[1];
-      g[2] -= slope * m[2];
-      if (TALLY && eflag_either) tally_energy(triangle, k, 0.5 * slope * fold);
+      const int m = across[k][t];
+      const double fold = 1.0 - normal[0][t] * normal[0][m] - normal[1][t] * normal[1][m] -
+          normal[2][t] * normal[2][m];
+      const double link = m == t ? 0.0 : 0.5 * stiffness[type[k][t]] * fold * fold;
+      if (eflag_global) energy += 0.5 * link;
+      if (eflag_atom)
+        for (int c = 0; c < 3; c++) eatom[corner[c][t]] += (c == k ? 0.25 : 0.125) * link;
     }
-
-    const int *v = triangle.vertex;
-    const double *o = x[v[0]], *p = x[v[1]], *q = x[v[2]];
-    const double e1[3] = {p[0] - o[0], p[1] - o[1], p[2] - o[2]};
-    const double e2[3] = {q[0] - o[0], q[1] - o[1], q[2] - o[2]};
-
-    // h = dE/d(unnormalised normal)
-
-    const double along = g[0] * n[0] + g[1] * n[1] + g[2] * n[2];
-    const double inverse = normals[t].inverse;
-    const double hx = (g[0] - along * n[0]) * inverse;
-    const double hy = (g[1] - along * n[1]) * inverse;
-    const double hz = (g[2] - along * n[2]) * inverse;
-
-    const double fp[3] = {hy * e2[2] - hz * e2[1], hz * e2[0] - hx * e2[2],
-                          hx * e2[1] - hy * e2[0]};
-    const double fq[3] = {hz * e1[1] - hy * e1[2], hx * e1[2] - hz * e1[0],
-                          hy * e1[0] - hx * e1[1]};
-
-    for (int k = 0; k < 3; k++) {
-      f[v[0]][k] -= fp[k] + fq[k];
-      f[v[1]][k] += fp[k];
-      f[v[2]][k] += fq[k];
-    }
-    if (TALLY && vflag_either) tally_virial(triangle, e1, fp, e2, fq);
   }
 }
 
 /* ----------------------------------------------------------------------
-   half of a link's energy, seen from the triangle on one of its sides; of the whole, each of
-   the four atoms of the dihedral has a quarter
+   virial of the triangles, from their edges at corner 0 and the forces at the ends of these
 ------------------------------------------------------------------------- */
 
-void DihedralSkinBend::tally_energy(const Triangle &triangle, int opposite, double link)
+void DihedralSkinBend::tally_virial()
 {
-  if (eflag_global) energy += 0.5 * link;
-  if (eflag_atom)
-    for (int k = 0; k < 3; k++)
-      eatom[triangle.vertex[k]] += (k == opposite ? 0.25 : 0.125) * link;
-}
+  static constexpr int FIRST[] = {0, 1, 2, 0, 0, 1}, SECOND[] = {0, 1, 2, 1, 2, 2};
 
-/* ----------------------------------------------------------------------
-   virial of a triangle, from its two edges and the forces at their ends
-------------------------------------------------------------------------- */
-
-void DihedralSkinBend::tally_virial(const Triangle &triangle, const double *e1, const double *f1,
-                                    const double *e2, const double *f2)
-{
-  const double w[6] = {e1[0] * f1[0] + e2[0] * f2[0], e1[1] * f1[1] + e2[1] * f2[1],
-                       e1[2] * f1[2] + e2[2] * f2[2], e1[0] * f1[1] + e2[0] * f2[1],
-                       e1[0] * f1[2] + e2[0] * f2[2], e1[1] * f1[2] + e2[1] * f2[2]};
-  for (int k = 0; k < 6; k++) {
-    if (vflag_global) virial[k] += w[k];
-    if (vflag_atom)
-      for (int c = 0; c < 3; c++) vatom[triangle.vertex[c]][k] += w[k] / 3.0;
+  for (int t = 0; t < ntriangles; t++) {
+    const double *o = atom->x[corner[0][t]];
+    const double *p = atom->x[corner[1][t]], *q = atom->x[corner[2][t]];
+    for (int k = 0; k < 6; k++) {
+      const int i = FIRST[k], j = SECOND[k];
+      const double w = (p[i] - o[i]) * push[j][t] + (q[i] - o[i]) * push[3 + j][t];
+      if (vflag_global) virial[k] += w;
+      if (vflag_atom)
+        for (int c = 0; c < 3; c++) vatom[corner[c][t]][k] += w / 3.0;
+    }
   }
 }
 
@@ -236,12 +281,11 @@ void DihedralSkinBend::tally_virial(const Triangle &triangle, const double *e1, 
 
 void DihedralSkinBend::degenerate(int t)
 {
-  const int *v = triangles[t].vertex;
   const tagint *tag = atom->tag;
   error->one(FLERR,
              "Dihedral skin/bend: the triangle of atoms {} {} {} has no normal on step {}: its "
              "area is below {}; try a smaller timestep than {}",
-             tag[v[0]], tag[v[1]], tag[v[2]], update->ntimestep, 0.5 * SMALLEST_NORMAL, update->dt);
+             tag[corner[0][t]], tag[corner[1][t]], tag[corner[2][t]], update->ntimestep, 0.5 * SMALLEST_NORMAL, update->dt);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -319,8 +363,7 @@ void DihedralSkinBend::write_data(FILE *fp)
 double DihedralSkinBend::memory_usage()
 {
   double bytes = Dihedral::memory_usage();
-  bytes += (double) triangles.capacity() *
-      (sizeof(Triangle) + sizeof(Normal) + sizeof(int));
+  bytes += (double) ntriangles * (10 * sizeof(int) + 10 * sizeof(double));
   bytes += (double) first_of_vertex.capacity() * sizeof(int);
   return bytes;
 }

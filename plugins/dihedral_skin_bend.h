@@ -20,32 +20,29 @@ class DihedralSkinBend : public Dihedral {
   double memory_usage() override;
 
  private:
-  struct Triangle {
-    int vertex[3];
-    int across[3];    // triangle on the other side of the link opposite to each vertex
-    int type[3];      // dihedral type of that link
-  };
-  struct Normal {
-    double unit[3];
-    double inverse;    // 1 / length of the unnormalised normal
-  };
-
   double *stiffness;
 
+  // the distinct triangles of my links, one array for each component, so that the loops over
+  // them vectorise
+
+  int ntriangles;
+  std::vector<int> corner[3];
+  std::vector<int> across[3];       // triangle across the link opposite to each corner
+  std::vector<int> type[3];         // dihedral type of that link
+  std::vector<double> normal[3];    // unit normal
+  std::vector<double> inverse;      // 1 / length of the unnormalised normal
+  std::vector<double> push[6];      // forces on corners 1 and 2
+
   bigint built_call, built_step;    // the neighbor build the triangles belong to
-  std::vector<Triangle> triangles;
-  std::vector<Normal> normals;
-  std::vector<int> first_of_vertex, next_of_triangle;    // triangles by their first vertex
+  std::vector<int> first_of_vertex, next_of_triangle;    // triangles by their first corner
 
   void allocate();
   void build_triangles();
   int find_triangle(int, int, int);
   void hinge(int, int, int, int);
-  void compute_normals();
-  template <bool TALLY> void compute_forces();
-  void tally_energy(const Triangle &, int, double);
-  void tally_virial(const Triangle &, const double *, const double *, const double *,
-                    const double *);
+  void add_forces();
+  void tally_energy();
+  void tally_virial();
   void degenerate(int);
 };
 

@@ -8,7 +8,6 @@
 #include "skin_event_log.h"
 #include "skin_nearest.h"
 
-#include <set>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -91,10 +90,12 @@ class FixSkinCells : public Fix {
   void log_event(const SkinCellEvent &, const char *, tagint, tagint, const char *);
   std::vector<SkinCellEvent> due_events();
   SkinCellEvent death_of(int) const;
-  SkinCellEvent end_of_pair(int) const;
+  SkinCellEvent end_of_pair(int, double, int) const;
+  std::vector<SkinCellEvent> pairs_ended_by(const std::vector<SkinCellEvent> &) const;
   SkinCellEvent division_of(int, const SkinNearest::Neighbor &) const;
   void remove(const SkinCellEvent &);
-  void dissolve(const SkinCellEvent &, const char *, std::set<tagint> &);
+  void dissolve(const SkinCellEvent &);
+  tagint new_id();
   void give_birth(const std::vector<SkinCellEvent> &);
   void divide_mother(int, const SkinCellEvent &, tagint);
   void start_daughter(int, const SkinCellEvent &, tagint);

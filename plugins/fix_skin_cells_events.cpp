@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 using namespace LAMMPS_NS;
 
@@ -92,21 +93,27 @@ void FixSkinCells::pre_exchange()
 {
   if (update->ntimestep != next_reneighbor) return;
 
-  const std::vector<SkinCellEvent> events = SkinCellEvent::gather(due_events(), world);
+  std::vector<SkinCellEvent> events = SkinCellEvent::gather(due_events(), world);
+  const std::vector<SkinCellEvent> ends = SkinCellEvent::gather(pairs_ended_by(events), world);
+  events.insert(events.end(), ends.begin(), ends.end());
+  std::sort(events.begin(), events.end());
 
   std::vector<SkinCellEvent> newborn;
   std::set<tagint> dissolved;
   bigint removed = 0;
-  for (const SkinCellEvent &event : events) {
+  for (SkinCellEvent &event : events) {
+    domain->remap(event.x);
     if (event.kind == SkinCellEvent::BIRTH) {
       newborn.push_back(event);
-    } else if (event.kind == SkinCellEvent::PAIR_END) {
-      dissolve(event, "grown", dissolved);
-    } else {
+      log_event(event, "birth", new_id(), event.id, "division");
+    } else if (event.kind == SkinCellEvent::DEATH) {
       log_event(event, "death", event.id, event.parent, "detached");
-      if (event.other) dissolve(event, "partner_removed", dissolved);
       remove(event);
       removed++;
+    } else if (dissolved.insert(event.id).second) {
+      dissolve(event);
+      log_event(event, "division_end", event.id, event.other,
+                event.kind == SkinCellEvent::GROWN ? "grown" : "partner_removed");
     }
   }
 
@@ -143,7 +150,8 @@ std::vector<SkinCellEvent> FixSkinCells::due_events()
     }
 
     if (state.pair[i]) {
-      if (pair_end_time(i) <= time && atom->tag[i] > state.pair[i]) events.push_back(end_of_pair(i));
+      if (pair_end_time(i) <= time && atom->tag[i] > state.pair[i])
+        events.push_back(end_of_pair(i, pair_end_time(i), SkinCellEvent::GROWN));
     } else if (divides_by(i, time)) {
       events.push_back(division_of(i, closest));
     }
@@ -171,12 +179,29 @@ SkinCellEvent FixSkinCells::death_of(int i) const
    made by the owner of the younger cell of the pair
 ------------------------------------------------------------------------- */
 
-SkinCellEvent FixSkinCells::end_of_pair(int i) const
+SkinCellEvent FixSkinCells::end_of_pair(int i, double time, int cause) const
 {
   SkinCellEvent event = death_of(i);
-  event.kind = SkinCellEvent::PAIR_END;
-  event.time = pair_end_time(i);
+  event.kind = cause;
+  event.time = time;
   return event;
+}
+
+/* ----------------------------------------------------------------------
+   my ends of pairs that follow from deaths on any rank
+------------------------------------------------------------------------- */
+
+std::vector<SkinCellEvent>
+FixSkinCells::pairs_ended_by(const std::vector<SkinCellEvent> &events) const
+{
+  std::vector<SkinCellEvent> ends;
+  for (const SkinCellEvent &event : events) {
+    if (event.kind != SkinCellEvent::DEATH || !event.other) continue;
+    const int i = atom->map(std::max(event.id, event.other));
+    if (i >= 0 && i < atom->nlocal)
+      ends.push_back(end_of_pair(i, event.time, SkinCellEvent::PARTNER_REMOVED));
+  }
+  return ends;
 }
 
 /* ----------------------------------------------------------------------
@@ -239,17 +264,12 @@ void FixSkinCells::remove(const SkinCellEvent &event)
 }
 
 /* ----------------------------------------------------------------------
-   end a dividing pair, once, for those of its cells that I own
+   end a dividing pair for those of its cells that I own
 ------------------------------------------------------------------------- */
 
-void FixSkinCells::dissolve(const SkinCellEvent &event, const char *cause,
-                            std::set<tagint> &dissolved)
+void FixSkinCells::dissolve(const SkinCellEvent &event)
 {
-  const tagint daughter = std::max(event.id, event.other);
-  const tagint mother = std::min(event.id, event.other);
-  if (!dissolved.insert(daughter).second) return;
-
-  for (tagint id : {daughter, mother}) {
+  for (tagint id : {event.id, event.other}) {
     const int i = atom->map(id);
     if (i < 0 || i >= atom->nlocal) continue;
     state.pair[i] = 0;
@@ -257,7 +277,15 @@ void FixSkinCells::dissolve(const SkinCellEvent &event, const char *cause,
     if (state.next_division[i] >= 0.0)
       state.next_division[i] = std::max(state.next_division[i], event.time);
   }
-  log_event(event, "division_end", daughter, mother, cause);
+}
+
+/* ---------------------------------------------------------------------- */
+
+tagint FixSkinCells::new_id()
+{
+  if (next_id == MAXTAGINT)
+    error->all(FLERR, "Fix skin/cells: out of atom IDs, the largest is {}", MAXTAGINT);
+  return next_id++;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -266,19 +294,16 @@ void FixSkinCells::give_birth(const std::vector<SkinCellEvent> &newborn)
 {
   const int n = (int) newborn.size();
   if (n == 0) return;
-  if (next_id > MAXTAGINT - n)
-    error->all(FLERR, "Fix skin/cells: out of atom IDs: the next would be {} and the largest is {}",
-               next_id, MAXTAGINT);
+
+  // the log gave them the last n ids, in this order
 
   std::vector<tagint> ids(n);
   std::vector<int> types(n);
   std::vector<double> x(3 * n);
   for (int k = 0; k < n; k++) {
-    ids[k] = next_id++;
+    ids[k] = next_id - n + k;
     types[k] = newborn[k].type;
     std::copy(newborn[k].x, newborn[k].x + 3, &x[3 * k]);
-    domain->remap(&x[3 * k]);
-    log_event(newborn[k], "birth", ids[k], newborn[k].id, "division");
   }
 
   // the old ghosts end here: borders come anew after the exchange

@@ -11,7 +11,7 @@
 namespace LAMMPS_NS {
 
 struct SkinCellEvent {
-  enum Kind { DEATH, PAIR_END, BIRTH };
+  enum Kind { DEATH, GROWN, PARTNER_REMOVED, BIRTH };    // the middle two end a pair
 
   double time;
   double x[3];           // of the cell that dies, of the younger of a pair, of the newborn

@@ -1,5 +1,6 @@
 // registration of the styles of lammps-skin, and nothing else
 
+#include "bond_skin_stretch.h"
 #include "dihedral_skin_bend.h"
 #include "fix_skin_cells.h"
 
@@ -30,6 +31,11 @@ struct lammpsplugin_t {
 typedef void (*lammpsplugin_regfunc)(lammpsplugin_t *, void *);
 }
 
+static void *create_bond_skin_stretch(LAMMPS *lmp)
+{
+  return new BondSkinStretch(lmp);
+}
+
 static void *create_dihedral_skin_bend(LAMMPS *lmp)
 {
   return new DihedralSkinBend(lmp);
@@ -49,6 +55,12 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.version = ((LAMMPS *) lmp)->version;
   plugin.author = "the lammps-skin authors";
   plugin.handle = handle;
+
+  plugin.style = "bond";
+  plugin.name = "skin/stretch";
+  plugin.info = "links of a basement membrane";
+  plugin.creator.v1 = &create_bond_skin_stretch;
+  register_plugin(&plugin, lmp);
 
   plugin.style = "dihedral";
   plugin.name = "skin/bend";

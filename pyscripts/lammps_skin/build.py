@@ -15,12 +15,12 @@ from lammps_skin.errors import SceneError
 from lammps_skin.kinds import CELLS
 from lammps_skin.scene import Scene
 from lammps_skin.terms import (
-    PairTerm,
+    StyledTerm,
     adhesion_stiffness,
     cell_kinds,
     division_spring,
     pair_terms,
-    stretch_table,
+    stretch_term,
     wall_coefficients,
 )
 
@@ -59,10 +59,12 @@ def _write(scene: Scene, directory: Path, configuration: Configuration) -> None:
     for term in terms:
         if term.table:
             term.table.write(directory / f"{term.name}.table")
-    stretch_table(scene).write(directory / "stretch.table")
+    stretch = stretch_term(scene)
+    if stretch.table:
+        stretch.table.write(directory / "stretch.table")
     configuration.write_data(directory / "skin.data", scene.kinds)
     (directory / SCENE_FILE).write_text(to_toml(scene.given()), encoding="utf-8")
-    lines = [f"# {scene.name}: {scene.description or 'numbers of this scene'}", ""]
+    lines = [f"# {scene.name}: {_comment(scene.description) or 'numbers of this scene'}", ""]
     lines += _variables(scene, configuration, terms)
     (directory / "scene.in").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -72,8 +74,13 @@ def _needed(script: str, scene: Scene) -> bool:
     return not absent.get(script, False)
 
 
+def _comment(text: str) -> str:
+    """Text in which LAMMPS sees no new line, no continuation and no quote."""
+    return " ".join("".join(c if c.isprintable() and c not in '"&' else " " for c in text).split())
+
+
 def _variables(
-    scene: Scene, configuration: Configuration, terms: list[PairTerm]
+    scene: Scene, configuration: Configuration, terms: list[StyledTerm]
 ) -> Iterator[str]:
     """Lines of scene.in; index variables can be overridden with ``-var``."""
 
@@ -108,9 +115,10 @@ def _variables(
         yield index(f"{term.name}_path", "${dir}/" if term.table else '""')
         yield string(term.name, term.coefficients)
     yield "\n# membrane"
-    points = len(stretch_table(scene).distances)
-    yield string("stretch_style", scene.numerics.table_style, points)
-    yield string("stretch", "stretch.table", "STRETCH")
+    stretch = stretch_term(scene)
+    yield string("stretch_style", stretch.style)
+    yield index("stretch_path", "${dir}/" if stretch.table else '""')
+    yield string("stretch", stretch.coefficients)
     yield index("bending_stiffness", scene.membrane.bending_stiffness)
     if scene.dermis.present:
         yield "\n# dermis"
@@ -143,7 +151,7 @@ def _collections(scene: Scene) -> list[str]:
     return [str(len(single + cells)), *single, *cells]
 
 
-def _numbered(terms: list[PairTerm]) -> Iterator[str]:
+def _numbered(terms: list[StyledTerm]) -> Iterator[str]:
     """Names of sub-styles as hybrid wants them: with a number where one occurs several times."""
     names = [term.style.split()[0] for term in terms]
     total, seen = Counter(names), Counter[str]()
@@ -180,4 +188,4 @@ def _toml_value(value: Any) -> str:
         return "[" + ", ".join(_toml_value(item) for item in value) + "]"
     if isinstance(value, float):
         return repr(value)
-    return json.dumps(value)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

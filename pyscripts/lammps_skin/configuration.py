@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,16 +13,28 @@ from scipy.spatial import cKDTree
 
 from lammps_skin import lattice
 from lammps_skin.arrangements import place_cells
-from lammps_skin.errors import ConfigurationError
+from lammps_skin.errors import ConfigurationError, SceneError
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.packing import pack_dermis
+from lammps_skin.packing import dermal_count, pack_dermis
 from lammps_skin.scene import Scene
+from lammps_skin.terms import pair_shapes, stretch_table
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 NEVER = -1.0  # no time of next division: none is due, or the run draws it
 ROUGHNESS_STREAM = 102
+MOST_DERMAL = 10_000_000
+MOST_STEPS = 10**12
+INTEGER = 2**31 - 1
+
+PER_PARTICLE = ("divisions_left", "divisions_done", "parent", "pair",
+                "next_division", "birth_time", "pair_start")  # fmt: skip
+WHOLE = {"kinds", "links", "hinges", "divisions_left", "divisions_done", "parent", "pair"}
+LIMITS = {
+    "kinds": (int(min(Kind)), int(max(Kind))),
+    **dict.fromkeys(("divisions_left", "divisions_done", "parent", "pair"), (0, INTEGER)),
+}
 
 
 @dataclass
@@ -61,15 +74,11 @@ class Configuration:
     time: float = 0.0
 
     def __post_init__(self) -> None:
-        n = len(self.kinds)
-        for name in ("divisions_left", "divisions_done", "parent", "pair"):
-            if not len(getattr(self, name)):
-                setattr(self, name, np.zeros(n, int))
-        if not len(self.next_division):
-            self.next_division = np.full(n, NEVER)
-        for name in ("birth_time", "pair_start"):
-            if not len(getattr(self, name)):
-                setattr(self, name, np.zeros(n))
+        n = np.size(self.kinds)
+        for name in PER_PARTICLE:
+            if not np.size(getattr(self, name)):
+                default = NEVER if name == "next_division" else 0
+                setattr(self, name, np.full(n, default, int if name in WHOLE else float))
 
     @property
     def is_cell(self) -> NDArray[np.bool_]:
@@ -83,6 +92,7 @@ class Configuration:
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
         """Membrane, relaxed dermis and first cells of a scene."""
+        check_sizes(scene, scene.box_sides)
         sheet = lattice.positions(scene.membrane.lattice, scene.spacing, scene.membrane_height)
         roughness = np.random.default_rng([scene.seed, ROUGHNESS_STREAM])
         stem, nd = place_cells(scene)
@@ -109,32 +119,34 @@ class Configuration:
 
     def check(self, scene: Scene) -> None:
         """Raise `ConfigurationError` if this is no possible state of the scene."""
-        n = len(self.kinds)
-        self._check_shapes(n)
+        self.time = float(_array("time", self.time, (), None))
+        if not 0 <= self.time <= MOST_STEPS * scene.numerics.timestep:
+            raise ConfigurationError(
+                f"time: is {self.time:g}, must be 0 to {MOST_STEPS * scene.numerics.timestep:g}"
+            )
+        self._check_arrays()
+        check_sizes(scene, self.box)
         absent = self.present_kinds - set(scene.kinds)
         if absent:
             names = ", ".join(kind.label for kind in sorted(absent))
             raise ConfigurationError(f"kinds: the scene has no particles of kind {names}")
-        self._check_numbers(n)
+        if Kind.MEMBRANE not in self.present_kinds:
+            raise ConfigurationError("kinds: there is no membrane particle (2)")
+        self._check_places()
+        self._check_links(scene)
         self._check_cells(scene)
 
-    def _check_shapes(self, n: int) -> None:
-        expected = {"positions": (n, 3), "box": (3,), "links": (-1, 2), "hinges": (-1, 4)}
-        per_particle = (
-            "divisions_left", "divisions_done", "parent", "pair",
-            "next_division", "birth_time", "pair_start",
-        )  # fmt: skip
-        expected |= dict.fromkeys(per_particle, (n,))
-        for name, shape in expected.items():
-            got = np.shape(getattr(self, name))
-            if len(got) != len(shape) or any(g != s for g, s in zip(got, shape, strict=True) if s > 0):
-                raise ConfigurationError(f"{name}: has shape {got}, must be {shape}")
+    def _check_arrays(self) -> None:
+        """Shapes and numbers; what came as a list becomes an array."""
+        n = np.size(self.kinds)
+        shapes = {"box": (3,), "kinds": (n,), "positions": (n, 3), "links": (-1, 2),
+                  "hinges": (-1, 4), **dict.fromkeys(PER_PARTICLE, (n,))}  # fmt: skip
+        limits = {**LIMITS, "links": (0, n - 1), "hinges": (0, n - 1)}
+        for name, shape in shapes.items():
+            array = _array(name, getattr(self, name), shape, limits.get(name))
+            setattr(self, name, array)
 
-    def _check_numbers(self, n: int) -> None:
-        for name in ("positions", "box"):
-            bad = np.argwhere(~np.isfinite(getattr(self, name)))
-            if len(bad):
-                raise ConfigurationError(f"{name}: entry {tuple(bad[0].tolist())} is not finite")
+    def _check_places(self) -> None:
         z = self.positions[:, 2]
         outside = np.flatnonzero((z < 0) | (z >= self.box[2]))
         if len(outside):
@@ -142,19 +154,39 @@ class Configuration:
             raise ConfigurationError(
                 f"positions: z = {z[first]:g} of particle {first} must be in [0, {self.box[2]:g})"
             )
-        for name, limit in (("links", n), ("hinges", n)):
-            indices = getattr(self, name)
-            if indices.size and (indices.min() < 0 or indices.max() >= limit):
-                raise ConfigurationError(f"{name}: indices must be in 0 to {limit - 1}")
+
+    def _check_links(self, scene: Scene) -> None:
+        """Links and hinges join membrane particles, and the length of a link is one it can have."""
+        for name in ("links", "hinges"):
+            if not (self.kinds[getattr(self, name)] == Kind.MEMBRANE).all():
+                raise ConfigurationError(f"{name}: must join membrane particles")
+        delta = self.positions[self.links[:, 0]] - self.positions[self.links[:, 1]]
+        delta[:, :2] -= self.box[:2] * np.round(delta[:, :2] / self.box[:2])
+        lengths = np.linalg.norm(delta, axis=1)
+        low, high = stretch_table(scene).distances[[0, -1]]
+        bad = np.flatnonzero((lengths < low) | (lengths > high))
+        if len(bad):
+            i, j = self.links[bad[0]]
+            raise ConfigurationError(
+                f"positions: the link of the particles {i} and {j} is {lengths[bad[0]]:g} long, "
+                f"must be {low:g} to {high:g}"
+            )
 
     def _check_cells(self, scene: Scene) -> None:
         cells = np.flatnonzero(self.is_cell)
         for n in cells:
             kind, m = Kind(self.kinds[n]), self.divisions_left[n]
-            if m < 0 or (kind == Kind.TA and m == 0) or (kind == Kind.EXHAUSTED and m > 0):
-                raise ConfigurationError(f"divisions_left: {m} for particle {n}, a {kind.label} cell")
+            if (kind == Kind.TA and m == 0) or (kind == Kind.EXHAUSTED and m > 0):
+                raise ConfigurationError(
+                    f"divisions_left: {m} for particle {n}, a {kind.label} cell"
+                )
             other = self.pair[n]
-            if other and (other < 1 or other > len(self.kinds) or self.pair[other - 1] != n + 1):
+            if other and not (
+                other <= len(self.kinds)
+                and other != n + 1
+                and self.kinds[other - 1] in CELLS
+                and self.pair[other - 1] == n + 1
+            ):
                 raise ConfigurationError(f"pair: particle {n} and id {other} are not each other's")
         if len(cells) > 1:
             x = self.wrapped()[cells]
@@ -180,7 +212,7 @@ class Configuration:
         # no image in z: a period longer than twice the box keeps it open
         tree = cKDTree(x[membrane], boxsize=[*self.box[:2], 4 * self.box[2]])
         distance, index = tree.query(x)
-        return membrane[index], distance
+        return membrane[index], np.asarray(distance)
 
     def write_data(self, path: Path, kinds: tuple[Kind, ...]) -> None:
         """LAMMPS data file with the cell state in the section ``state`` of fix property/atom."""
@@ -212,7 +244,7 @@ class Configuration:
                 _write_topology(file, self.hinges)
             if self.is_cell.any():
                 file.write("\nstate\n\n")
-                np.savetxt(file, self._state_rows(ids), fmt="%d %d %d %d %d %.17g %.17g %.17g %.17g")
+                np.savetxt(file, self._state_rows(ids), fmt=["%d"] * 5 + ["%.17g"] * 4)
 
     def _state_rows(self, ids: Ints) -> Floats:
         """Rows in the order of the properties that cells.in defines."""
@@ -222,6 +254,50 @@ class Configuration:
              np.where(self.is_cell, self.next_division, 0.0), self.birth_time, self.pair_start,
              never_detached]
         )  # fmt: skip
+
+
+def _array(
+    name: str, values: Any, shape: tuple[int, ...], limits: tuple[int, int] | None
+) -> NDArray[Any]:
+    """The values as an array of this shape (-1: any length), finite and within the limits."""
+    whole = name in WHOLE
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        array = np.empty(0, object)
+    if array.dtype.kind not in ("iu" if whole else "iuf"):
+        raise ConfigurationError(f"{name}: must be an array of {'whole ' if whole else ''}numbers")
+    got = array.shape
+    if len(got) != len(shape) or any(0 <= s != g for s, g in zip(shape, got, strict=True)):
+        raise ConfigurationError(f"{name}: has shape {got}, must be {shape}".replace("-1", "n"))
+    low, high = limits or (-np.inf, np.inf)
+    bad = np.argwhere(~np.isfinite(array) | (array < low) | (array > high))
+    if len(bad):
+        index = tuple(bad[0].tolist())
+        entry = f"entry {', '.join(map(str, index))} " if index else ""
+        allowed = f"{low} to {high}" if limits else "finite"
+        raise ConfigurationError(f"{name}: {entry}is {array[index]}, must be {allowed}")
+    return array
+
+
+def check_sizes(scene: Scene, box: Sequence[float] | Floats) -> None:
+    """Raise `SceneError` if the box is too small for the scene's ranges, or the dermis too big."""
+    ranges = {shape.name: shape.contact * shape.range for shape in pair_shapes(scene)}
+    if scene.has_cells:
+        ranges["adhesion"] = scene.cells.adhesion_range * scene.contact
+    term = max(ranges, key=lambda name: ranges[name])
+    skin = scene.numerics.neighbor_skin
+    if ranges[term] + 2 * skin > min(box):
+        raise SceneError(
+            f"box of {box[0]:.4g} x {box[1]:.4g} x {box[2]:.4g}: too small for the range "
+            f"{ranges[term]:g} of {term} and two of numerics.neighbor_skin = {skin:g}"
+        )
+    if scene.dermis.present and not 1 <= dermal_count(scene) <= MOST_DERMAL:
+        raise SceneError(
+            f"dermis: radius {scene.dermis.radius:g} and volume_fraction "
+            f"{scene.dermis.volume_fraction:g} give {dermal_count(scene):,} particles; "
+            f"must be 1 to {MOST_DERMAL:,}"
+        )
 
 
 def _write_topology(file, members: Ints) -> None:  # type: ignore[no-untyped-def]

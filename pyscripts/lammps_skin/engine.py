@@ -202,7 +202,7 @@ class Engine:
 
 def one_line(text: str) -> str:
     """LAMMPS' message without the place in its source and the command that follows."""
-    text = text.split("Last input line")[0].split("Last command")[0]
+    text = text.strip("'\"").split("Last input line")[0].split("Last command")[0]
     text = re.sub(r"\(?src/[^)\s]*:\d+\)?|\([\w/.-]+\.cpp:\d+\)", "", text)
     text = re.sub(r"^\s*ERROR( on proc \d+)?:\s*", "", text)
     text = re.sub(r"For more information see\s+\S+", "", text)

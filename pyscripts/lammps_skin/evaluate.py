@@ -56,7 +56,7 @@ def read_text(path: Path) -> Text:
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not text in UTF-8"
         raise ConfigurationError(f"configuration {path}: {reason}") from None
-    header: list[str] | None = None
+    header: tuple[tuple[int, int], tuple[float, float], float] | None = None
     kinds, positions, divisions_left, pairs = [], [], [], []
     for number, line in enumerate(lines, 1):
         words = line.split()
@@ -64,16 +64,18 @@ def read_text(path: Path) -> Text:
             if not words or words[0].startswith("#"):
                 continue
             if words[0] == "lattice":
-                header = words
+                nx, ny, lx, ly, time = words[1:]
+                header = (int(nx), int(ny)), (float(lx), float(ly)), float(time)
             elif words[0] == "pair":
                 i, j, length = words[1:]
                 pairs.append((int(i), int(j), float(length)))
             else:
                 kind = LETTERS[words[0]]
                 m = int(words[4]) if len(words) == 5 else 0
-                if len(words) not in (4, 5):
+                place = [float(word) for word in words[1:4]]
+                if len(words) not in (4, 5) or not 0 <= m <= 1000 or not np.isfinite(place).all():
                     raise ValueError
-                positions.append([float(word) for word in words[1:4]])
+                positions.append(place)
                 kinds.append(Kind.EXHAUSTED if kind == Kind.TA and m == 0 else kind)
                 divisions_left.append(m)
         except (ValueError, KeyError):
@@ -81,18 +83,10 @@ def read_text(path: Path) -> Text:
                 f"configuration {path}, line {number}: {line.strip()[:60]!r} is none of "
                 "'lattice NX NY Lx Ly time', 'M|D|S|T|N x y z [m]', 'pair i j L'"
             ) from None
-    try:
-        if header is None:
-            raise ValueError
-        _, nx, ny, lx, ly, time = header
-        text = Text(
-            (int(nx), int(ny)), (float(lx), float(ly)), float(time), kinds,
-            np.array(positions).reshape(-1, 3), divisions_left, pairs,
-        )  # fmt: skip
-    except ValueError:
-        raise ConfigurationError(
-            f"configuration {path}: has no line 'lattice NX NY Lx Ly time'"
-        ) from None
+    if header is None:
+        raise ConfigurationError(f"configuration {path}: has no line 'lattice NX NY Lx Ly time'")
+    places = np.array(positions).reshape(-1, 3)
+    text = Text(*header, kinds, places, divisions_left, pairs)
     _check(text, path)
     return text
 
@@ -108,8 +102,6 @@ def _check(text: Text, path: Path) -> None:
     for i, j, length in text.pairs:
         if i == j or not all(0 <= n < len(text.kinds) and text.kinds[n] in CELLS for n in (i, j)):
             raise ConfigurationError(f"configuration {path}: pair {i} {j}: must be two cells")
-        if not length >= 0:
-            raise ConfigurationError(f"configuration {path}: pair {i} {j}: length {length} is < 0")
 
 
 def scene_of(text: Text, name: str, changes: dict[str, Any]) -> Scene:
@@ -140,18 +132,23 @@ def scene_of(text: Text, name: str, changes: dict[str, Any]) -> Scene:
 def configuration_of(text: Text, scene: Scene) -> Configuration:
     """The state that a file describes."""
     links, hinges = lattice.links_and_hinges(text.sheet)
-    lx, ly, lz = scene.box_sides
+    kinds = np.array(text.kinds, int)
+    membrane = np.flatnonzero(kinds == Kind.MEMBRANE)
     configuration = Configuration(
-        box=np.array([lx, ly, lz]),
-        kinds=np.array(text.kinds, int),
+        box=np.array([*text.sides, scene.box_height]),
+        kinds=kinds,
         positions=text.positions,
-        links=links,
-        hinges=hinges,
+        links=membrane[links],
+        hinges=membrane[hinges],
         divisions_left=np.array(text.divisions_left, int),
         time=text.time,
     )
-    _, start, rate, _ = division_spring(scene)
+    _, start, rate, end = division_spring(scene)
     for i, j, length in text.pairs:
+        if not 0 <= length <= end:
+            raise ConfigurationError(
+                f"pair {i} {j} {length:g}: a dividing pair's natural length must be in [0, {end:g}]"
+            )
         configuration.pair[[i, j]] = [j + 1, i + 1]
         configuration.pair_start[[i, j]] = text.time - (length - start) / rate
     return configuration
@@ -185,11 +182,17 @@ class Evaluation:
         return lines
 
 
-def evaluate(path: Path, parameters: str = "papilla", changes: dict[str, Any] | None = None) -> Evaluation:
+def evaluate(
+    path: Path, parameters: str = "papilla", changes: dict[str, Any] | None = None
+) -> Evaluation:
     """Energies and forces of the configuration in a text file, with the scene's own styles."""
     text = read_text(path)
     scene = scene_of(text, parameters, changes or {})
     configuration = configuration_of(text, scene)
+    try:
+        configuration.check(scene)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"configuration {path}: {error}") from None
     with Simulation(scene, configuration=configuration) as simulation:
         energies, forces, cells = simulation.energies(), simulation.forces(), simulation.cells()
     partner = {
@@ -219,7 +222,7 @@ def _pairs_within(configuration: Configuration, cutoff: float) -> int:
     pairs = 0
     for shift_x in range(-reach_x, reach_x + 1):
         for shift_y in range(-reach_y, reach_y + 1):
-            image = x + [shift_x * lx, shift_y * ly, 0.0]
+            image = x + np.array([shift_x * lx, shift_y * ly, 0.0])
             near = np.linalg.norm(x[:, None] - image[None], axis=2) < cutoff
             near[configuration.pair[cells][:, None] == cells[None] + 1] = False
             if shift_x == shift_y == 0:

@@ -10,13 +10,16 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable
-from multiprocessing.connection import Connection, Listener
+from multiprocessing.connection import Connection, Listener, wait
 from pathlib import Path
 from typing import Any
 
 from lammps_skin.engine import one_line
 from lammps_skin.errors import SimulationError
 from lammps_skin.worker import KEY
+
+
+GRACE = 2.0  # seconds that the other ranks have to report the same error
 
 
 class RankedEngine:
@@ -63,14 +66,28 @@ class RankedEngine:
         try:
             for connection in self._connections:
                 connection.send((method, arguments))
-            replies = [connection.recv() for connection in self._connections]
+            replies = self._replies()
         except (EOFError, OSError):
             self._process.wait()
             raise SimulationError(self._last_error()) from None
-        for succeeded, result in replies:
+        for succeeded, result in replies.values():
             if not succeeded:
                 raise SimulationError(result)
-        return replies[0][1]
+        return replies[self._connections[0]][1]
+
+    def _replies(self) -> dict[Connection, tuple[bool, Any]]:
+        """Replies of all ranks; when one has failed the others may wait for it for ever."""
+        replies: dict[Connection, tuple[bool, Any]] = {}
+        while len(replies) < len(self._connections):
+            failed = not all(succeeded for succeeded, _ in replies.values())
+            waiting = [c for c in self._connections if c not in replies]
+            ready = wait(waiting, timeout=GRACE if failed else None)
+            if not ready:
+                self._process.terminate()
+                self._process.wait()
+                break
+            replies |= {connection: connection.recv() for connection in ready}
+        return replies
 
     def _last_error(self) -> str:
         """What LAMMPS said before it ended all ranks."""

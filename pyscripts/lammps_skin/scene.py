@@ -14,8 +14,9 @@ from lammps_skin import parameters
 from lammps_skin.errors import SceneError
 from lammps_skin.kinds import Kind
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+LARGEST = 1e12  # of any number, so that products of several stay finite
+Positive = Annotated[float, Field(gt=0, le=LARGEST, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, le=LARGEST, allow_inf_nan=False)]
 AboveOne = Annotated[float, Field(gt=1, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(gt=0, lt=1)]
 Seed = Annotated[int, Field(ge=1, le=2**31 - 1)]
@@ -119,7 +120,7 @@ class Scene(Part):
     box: tuple[Positive, Positive] | None = Field(
         None, description="L_x, L_y, checked against the lattice from which the box is derived"
     )
-    box_height: Positive = Field(100.0, description="L_z")
+    box_height: Annotated[Positive, Field(le=10_000)] = Field(100.0, description="L_z")
     end_time: Positive = 1000.0
     dermis: Dermis = Dermis()
     membrane: Membrane = Membrane()
@@ -165,6 +166,8 @@ class Scene(Part):
             raise SceneError(f"scene file {path}: {reason}") from None
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"scene file {path}: not TOML: {error}") from None
+        except RecursionError:
+            raise SceneError(f"scene file {path}: not TOML: nested too deeply") from None
         except SceneError as error:
             raise SceneError(f"scene file {path}: {error}") from None
 
@@ -300,16 +303,16 @@ class Scene(Part):
                 f"cell cycle, {self.cells.cycle_delay + 1 / self.cells.cycle_rate:g}"
             )
         intervals = {
-            "output.thermo_interval": output.thermo_interval,
-            "output.dump_interval": output.dump_interval,
-            "output.checkpoint_interval": output.checkpoint_interval,
-            "end_time": self.end_time,
+            "output.thermo_interval": (output.thermo_interval, 2**31 - 1),
+            "output.dump_interval": (output.dump_interval, 2**31 - 1),
+            "output.checkpoint_interval": (output.checkpoint_interval, 2**31 - 1),
+            "end_time": (self.end_time, 10**12),
         }
-        for key, value in intervals.items():
+        for key, (value, most) in intervals.items():
             if 0 < value < numerics.timestep:
                 yield f"{key} = {value:g}: must be at least the timestep, {numerics.timestep:g}"
-        if self.end_time / numerics.timestep > 1e12:
-            yield f"end_time = {self.end_time:g}: more than 1e12 steps of {numerics.timestep:g}"
+            if value / numerics.timestep > most:
+                yield f"{key} = {value:g}: more than {most:.3g} steps of {numerics.timestep:g}"
 
 
 def _merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
@@ -346,9 +349,25 @@ def _first_line(model: type[BaseModel], error: ValidationError) -> str:
     if problem["type"] == "value_error":
         return str(problem["msg"]).removeprefix("Value error, ")
     if problem["type"] == "extra_forbidden":
-        return f"{key} = {problem['input']!r}: unknown key; allowed: {_keys_beside(model, key)}"
-    message = str(problem["msg"])
-    return f"{key} = {problem['input']!r}: {message[0].lower()}{message[1:]}"
+        shown = _shown(problem["input"])
+        return f"{key} = {shown}: unknown key; allowed: {_keys_beside(model, key)}"
+    what = _EXPECTED.get(problem["type"]) or str(problem["msg"]).replace("Input should", "must")
+    return f"{key} = {_shown(problem['input'])}: {what}"
+
+
+# in the words of TOML instead of Python's
+_EXPECTED = {
+    "missing": "must be an array of two values",
+    "too_long": "must be an array of two values",
+    "tuple_type": "must be an array of two values",
+    "model_type": "must be a table of keys",
+    "string_pattern_mismatch": "must be up to 64 letters, digits, '.', '_', '-', not '.' at first",
+}
+
+
+def _shown(value: Any) -> str:
+    text = repr(list(value) if isinstance(value, tuple) else value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _keys_beside(model: type[BaseModel], key: str) -> str:

@@ -59,16 +59,14 @@ class Simulation:
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
     ) -> None:
-        for name, value in (("ranks", ranks), ("threads", threads)):
-            if not isinstance(value, int) or not 1 <= value <= 4096:
-                raise SimulationError(f"{name} = {value!r}: must be a whole number from 1 to 4096")
         if isinstance(scene, (str, Path)):
             scene = Scene.load(scene)
         self._temporary = None if directory else tempfile.TemporaryDirectory(prefix="skin-")
         self.directory = Path(directory or self._temporary.name).resolve()  # type: ignore[union-attr]
+        check_run(self.directory, ranks, threads)
         if scene is None:
             self.scene = load_built(self.directory)
-            start = _start_time(self.directory)
+            start = start_time(self.directory)
         else:
             self.scene = scene
             start = build(scene, self.directory, configuration).time
@@ -76,7 +74,12 @@ class Simulation:
             self.directory, self.scene.kinds, present_terms(self.scene),
             {**(variables or {}), "end_time": start}, threads,
         )  # fmt: skip
-        self._engine: Any = Engine(*arguments) if ranks == 1 else RankedEngine(ranks, *arguments)
+        try:
+            self._engine: Any = (
+                Engine(*arguments) if ranks == 1 else RankedEngine(ranks, *arguments)
+            )
+        except SimulationError as error:
+            raise SimulationError(f"{error} (starting the scene in {self.directory})") from None
 
     def __enter__(self) -> Self:
         return self
@@ -117,16 +120,27 @@ class Simulation:
         """
         engine = self._running
         timestep = engine.timestep()
-        last = round((self.scene.end_time if until is None else until) / timestep)
+        end = self.scene.end_time if until is None else until
         step = engine.step()
-        if last < step:
-            raise SimulationError(f"until = {until}: the run is already at {self.time:g}")
+        if not step <= end / timestep + 0.5 < 2**62:
+            raise SimulationError(f"until = {end:g}: must be a time from {self.time:g} on")
+        last = round(end / timestep)
         piece = last - step if progress is None else max(round(every / timestep), 1)
         while step < last:
             step = min(step + piece, last)
-            engine.run_to(step)
+            self._run_to(step)
             if progress:
                 progress(self.time, self)
+
+    def _run_to(self, step: int) -> None:
+        """Advance; errors say from where, since unstable runs end in all kinds of them."""
+        since, timestep = self.time, self._running.timestep()
+        try:
+            self._running.run_to(step)
+        except SimulationError as error:
+            raise SimulationError(
+                f"{error} (after t = {since:g}, numerics.timestep = {timestep:g})"
+            ) from None
 
     def command(self, text: str) -> None:
         """Give LAMMPS a command."""
@@ -154,6 +168,21 @@ class Simulation:
         return self._engine
 
 
+def check_run(directory: Path, ranks: int, threads: int) -> None:
+    """Refuse what cannot be run, before anything is written.
+
+    LAMMPS splits its commands at blanks, and quotes and dollars mean something to it.
+    """
+    for name, value in (("ranks", ranks), ("threads", threads)):
+        if not isinstance(value, int) or not 1 <= value <= 4096:
+            raise SimulationError(f"{name} = {value!r}: must be a whole number from 1 to 4096")
+    bad = sorted({c for c in str(directory.resolve()) if c.isspace() or c in "\"'$"})
+    if bad:
+        raise SceneError(
+            f"directory {str(directory)!r}: LAMMPS cannot read a path with {''.join(bad)!r} in it"
+        )
+
+
 def load_built(directory: Path) -> Scene:
     """Scene of a directory that was built before."""
     if not (directory / "skin.in").is_file():
@@ -161,13 +190,14 @@ def load_built(directory: Path) -> Scene:
     return Scene.load(directory / SCENE_FILE)
 
 
-def _start_time(directory: Path) -> float:
+def start_time(directory: Path) -> float:
     """Start time in the scene.in of a built scene."""
     path = directory / "scene.in"
-    for line in path.read_text("utf-8").splitlines() if path.is_file() else []:
-        if line.split()[1:2] == ["start_time"]:
-            return float(line.split()[3])
-    raise SceneError(f"{path}: states no start_time; build the scene again")
+    try:
+        statements = [line.split() for line in path.read_text("utf-8").splitlines()]
+        return next(float(words[3]) for words in statements if words[1:2] == ["start_time"])
+    except (OSError, ValueError, IndexError, StopIteration):
+        raise SceneError(f"{path}: states no start_time; build the scene again") from None
 
 
 def present_terms(scene: Scene) -> tuple[str, ...]:

@@ -41,19 +41,26 @@ class Table:
         return float(self.distances[-1])
 
     def interpolation_error(self) -> float:
-        """Largest error of the force halfway between grid points, linear interpolation.
+        """Largest error of the force between grid points, linear interpolation.
 
-        Relative to the force there or to 1e-3 of the median force, whichever is larger;
-        `pair_style table` interpolates F/r over r^2, `bond_style table` F over r.
+        Sampled at fractions of each interval; relative to the force there or to the median of
+        the forces that are not 0, whichever is larger. `pair_style table` interpolates F/r
+        over r^2, `bond_style table` F over r.
         """
         r = self.distances
-        halfway = np.sqrt((r[1:] ** 2 + r[:-1] ** 2) / 2) if self.squared else (r[1:] + r[:-1]) / 2
         weight = r if self.squared else np.ones_like(r)
-        stored = self.force(r) / weight
-        between = (stored[1:] + stored[:-1]) / 2 * (halfway if self.squared else 1.0)
-        exact = self.force(halfway)
-        scale = np.maximum(np.abs(exact), 1e-3 * np.median(np.abs(exact)) + 1e-300)
-        return float(np.max(np.abs(between - exact) / scale))
+        stored, grid = self.force(r) / weight, r**2 if self.squared else r
+        forces = np.abs(self.force(r))
+        floor = np.median(forces[forces > 0]) if (forces > 0).any() else 1.0
+        worst = 0.0
+        for fraction in (0.02, 0.2, 0.5, 0.8, 0.98):
+            at = (1 - fraction) * grid[:-1] + fraction * grid[1:]
+            distance = np.sqrt(at) if self.squared else at
+            between = (1 - fraction) * stored[:-1] + fraction * stored[1:]
+            between *= distance if self.squared else 1.0
+            exact = self.force(distance)
+            worst = max(worst, float(np.max(np.abs(between - exact) / np.maximum(np.abs(exact), floor))))
+        return worst
 
     def write(self, path: Path) -> None:
         """Write the file, all digits."""

@@ -37,14 +37,14 @@ TERMS = (
 
 
 @dataclass(frozen=True)
-class PairTerm:
-    """A pair term: sub-style of ``pair_style hybrid/overlay``, its coefficients, its table."""
+class StyledTerm:
+    """A term as a LAMMPS style with its settings, its coefficients, and its table if it has one."""
 
     name: str
     style: str
     coefficients: str
-    cutoff: float
-    table: Table | None
+    cutoff: float = 0.0
+    table: Table | None = None
 
 
 @dataclass(frozen=True)
@@ -61,22 +61,18 @@ class Shape:
     inner: float
 
     def table(self, points: int) -> Table:
+        # the last point is inside the range: what jumps to 0 there keeps its limit from within
+        inside = np.nextafter(self.range, 0.0)
+
         def energy(r: Floats) -> Floats:
-            return self.stiffness * self.energy(r / self.contact)
+            return self.stiffness * self.energy(np.minimum(r / self.contact, inside))
 
         def force(r: Floats) -> Floats:
-            return -self.stiffness * self.slope(r / self.contact) / self.contact
+            slope = self.slope(np.minimum(r / self.contact, inside))
+            return -self.stiffness * slope / self.contact
 
         grid = pair_grid(self.contact, self.inner, self.range, points)
-        # the last point belongs to the inside of the range: the force there is the left limit
-        limit = np.nextafter(self.range * self.contact, 0.0)
-        return Table(
-            self.name.upper(),
-            lambda r: energy(np.minimum(r, limit)),
-            lambda r: force(np.minimum(r, limit)),
-            grid,
-            squared=True,
-        )
+        return Table(self.name.upper(), energy, force, grid, squared=True)
 
 
 def lennard_jones(stiffness: float, contact: float, cutoff: float) -> str:
@@ -129,7 +125,7 @@ def pair_shapes(scene: Scene) -> list[Shape]:
     return shapes
 
 
-def pair_terms(scene: Scene) -> list[PairTerm]:
+def pair_terms(scene: Scene) -> list[StyledTerm]:
     """The sub-styles of ``pair_style hybrid/overlay`` and their coefficients, in order."""
     numerics = scene.numerics
     terms = []
@@ -137,12 +133,12 @@ def pair_terms(scene: Scene) -> list[PairTerm]:
         cutoff = shape.contact * shape.range
         if shape.lennard_jones and numerics.pair_form == "analytic":
             coefficients = lennard_jones(shape.stiffness, shape.contact, cutoff)
-            terms.append(PairTerm(shape.name, f"lj/cut {cutoff!r}", coefficients, cutoff, None))
+            terms.append(StyledTerm(shape.name, f"lj/cut {cutoff!r}", coefficients, cutoff, None))
             continue
         table = shape.table(numerics.table_points)
         style = f"table {numerics.table_style} {len(table.distances)}"
         coefficients = f"{shape.name}.table {table.keyword} {cutoff!r}"
-        terms.append(PairTerm(shape.name, style, coefficients, cutoff, table))
+        terms.append(StyledTerm(shape.name, style, coefficients, cutoff, table))
     return terms
 
 
@@ -170,6 +166,22 @@ def stretch_table(scene: Scene) -> Table:
     grid = bond_grid(0.2 * d2 * contact, d2 * contact, singular - 0.2 * d2 * contact,
                      scene.numerics.table_points)  # fmt: skip
     return Table("STRETCH", energy, force, grid, squared=False)
+
+
+def stretch_term(scene: Scene) -> StyledTerm:
+    """``bond_style skin/stretch``, or ``bond_style table`` where the scene wants tables."""
+    numerics, membrane = scene.numerics, scene.membrane
+    if numerics.pair_form == "table":
+        table = stretch_table(scene)
+        style = f"table {numerics.table_style} {len(table.distances)}"
+        return StyledTerm("stretch", style, f"stretch.table {table.keyword}", table=table)
+    contact = 2 * membrane.radius
+    scale = contact if scene.force_scale == "direct" else 1.0
+    coefficients = (
+        f"{membrane.stretch_stiffness!r} {contact!r} {membrane.elasticity!r} "
+        f"{membrane.spacing_ratio!r} {scale!r}"
+    )
+    return StyledTerm("stretch", "skin/stretch", coefficients)
 
 
 def adhesion_stiffness(scene: Scene) -> tuple[float, float]:

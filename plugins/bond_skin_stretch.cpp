@@ -1,0 +1,271 @@
+// Link of a membrane: repulsive below d2, harmonic to x = 1, then a line that a singularity at
+// x = 1 + d2 ends, x = distance / contact length.
+
+#include "bond_skin_stretch.h"
+
+#include "skin_vector.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "neighbor.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+
+/* ---------------------------------------------------------------------- */
+
+BondSkinStretch::BondSkinStretch(LAMMPS *lmp) :
+    Bond(lmp), coeffs(nullptr), built_call(-1), built_step(-1)
+{
+  writedata = 1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+BondSkinStretch::~BondSkinStretch()
+{
+  if (allocated) {
+    memory->destroy(setflag);
+    memory->destroy(coeffs);
+  }
+}
+
+/* ----------------------------------------------------------------------
+   -dE/dr / r of all links of one type; returns how many are at their singular length or
+   beyond, or of no length
+------------------------------------------------------------------------- */
+
+SKIN_VECTOR static int slopes_of(int n, const double *__restrict x, const int *__restrict first,
+                                 const int *__restrict second, const double *coeff,
+                                 double *__restrict fbond)
+{
+  const double d2 = coeff[3], per_contact = 1.0 / coeff[1], per_d2 = 1.0 / d2;
+  const double stiffness = coeff[0] * per_contact;
+  const double spring = coeff[4] * coeff[2] * per_d2 * per_d2;
+  int beyond = 0;
+
+  for (int k = 0; k < n; k++) {
+    const int i = 3 * first[k], j = 3 * second[k];
+    const double dx = x[i] - x[j], dy = x[i + 1] - x[j + 1], dz = x[i + 2] - x[j + 2];
+    const double r = sqrt(dx * dx + dy * dy + dz * dz);
+    const double s = r * per_contact;
+
+    // argument of phi: shrinks towards both ends, 1 in between, where phi has no slope
+
+    const double above = std::max(s - 1.0, 0.0);
+    const double between = std::min(std::max(s, d2), 1.0) - d2;
+    const double argument = (std::min(s, d2) - above) * per_d2;
+    const double inverse = 1.0 / argument;
+    const double inv3 = inverse * inverse * inverse, inv6 = inv3 * inv3;
+    const double wall = (inv6 - inv6 * inv6) * inverse * per_d2;
+
+    beyond += !(argument > 0.0);
+    fbond[k] = -stiffness * (spring * between + (above > 0.0 ? -wall : wall)) / r;
+  }
+  return beyond;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::compute(int eflag, int vflag)
+{
+  ev_init(eflag, vflag);
+  if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) list_links();
+
+  const int nlinks = (int) fbond.size();
+  if (nlinks == 0) return;
+  int **bondlist = neighbor->bondlist;
+  const double *const x = atom->x[0];
+  double *const f = atom->f[0];
+
+  // runs of links of one type
+
+  for (int begin = 0, end; begin < nlinks; begin = end) {
+    const int type = bondlist[begin][2];
+    for (end = begin + 1; end < nlinks && bondlist[end][2] == type;) end++;
+    if (slopes_of(end - begin, x, &ends[0][begin], &ends[1][begin], coeffs[type], &fbond[begin]))
+      for (int n = begin; n < end; n++) overstretched(n);
+  }
+
+  for (int n = 0; n < nlinks; n++) {
+    const int i = 3 * ends[0][n], j = 3 * ends[1][n];
+    const double dx = x[i] - x[j], dy = x[i + 1] - x[j + 1], dz = x[i + 2] - x[j + 2];
+    f[i] += fbond[n] * dx;
+    f[i + 1] += fbond[n] * dy;
+    f[i + 2] += fbond[n] * dz;
+    f[j] -= fbond[n] * dx;
+    f[j + 1] -= fbond[n] * dy;
+    f[j + 2] -= fbond[n] * dz;
+
+    if (evflag) {
+      const double r = sqrt(dx * dx + dy * dy + dz * dz);
+      const double e = eflag_either ? energy_of(bondlist[n][2], r) : 0.0;
+      ev_tally(ends[0][n], ends[1][n], atom->nlocal, 1, e, fbond[n], dx, dy, dz);
+    }
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::list_links()
+{
+  const int nlinks = neighbor->nbondlist;
+  fbond.resize(nlinks);
+  for (int e = 0; e < 2; e++) {
+    ends[e].resize(nlinks);
+    for (int n = 0; n < nlinks; n++) ends[e][n] = neighbor->bondlist[n][e];
+  }
+  built_call = neighbor->ncalls;
+  built_step = neighbor->lastcall;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double BondSkinStretch::energy_of(int type, double r) const
+{
+  const double *c = coeffs[type];
+  const double a2 = c[2], d2 = c[3], s = r / c[1];
+
+  double spring = 0.0, argument = 1.0;
+  if (s < d2) {
+    argument = s / d2;
+  } else if (s <= 1.0) {
+    spring = 0.5 * a2 * (s - d2) * (s - d2) / (d2 * d2);
+  } else {
+    spring = a2 * (1.0 - d2) / (d2 * d2) * (s - 0.5 * (1.0 + d2));
+    argument = (1.0 + d2 - s) / d2;
+  }
+  const double inv6 = pow(argument, -6.0);
+  return c[0] * (c[4] * spring + inv6 * inv6 / 12.0 - inv6 / 6.0);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::overstretched(int n)
+{
+  const int i = ends[0][n], j = ends[1][n];
+  const double *c = coeffs[neighbor->bondlist[n][2]], *xi = atom->x[i], *xj = atom->x[j];
+  const double r = sqrt((xi[0] - xj[0]) * (xi[0] - xj[0]) + (xi[1] - xj[1]) * (xi[1] - xj[1]) +
+                        (xi[2] - xj[2]) * (xi[2] - xj[2]));
+  const double singular = c[1] * (1.0 + c[3]);
+  if (r > 0.0 && r < singular) return;
+  error->one(FLERR,
+             "Bond skin/stretch: the link of atoms {} and {} has length {} on step {}, its "
+             "singular length is {}; try a smaller timestep than {}",
+             atom->tag[i], atom->tag[j], r, update->ntimestep, singular, update->dt);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::allocate()
+{
+  allocated = 1;
+  const int np1 = atom->nbondtypes + 1;
+
+  memory->create(coeffs, np1, NCOEFFS, "bond:coeffs");
+  memory->create(setflag, np1, "bond:setflag");
+  for (int i = 1; i < np1; i++) setflag[i] = 0;
+}
+
+/* ----------------------------------------------------------------------
+   set coeffs for one or more types
+------------------------------------------------------------------------- */
+
+void BondSkinStretch::coeff(int narg, char **arg)
+{
+  static const char *const NAMES[] = {"K", "contact length", "a2", "d2", "scale"};
+
+  if (narg != NCOEFFS + 1)
+    error->all(FLERR, "Bond style skin/stretch needs the coefficients K, contact length, a2, d2 "
+               "and scale, but got {}", narg - 1);
+  if (!allocated) allocate();
+
+  int ilo, ihi;
+  utils::bounds_typelabel(FLERR, arg[0], 1, atom->nbondtypes, ilo, ihi, lmp, Atom::BOND);
+
+  double values[NCOEFFS];
+  for (int k = 0; k < NCOEFFS; k++) {
+    values[k] = utils::numeric(FLERR, arg[k + 1], false, lmp);
+    const bool positive = (k == 1 || k == 3);
+    if (!std::isfinite(values[k]) || values[k] < 0.0 || (positive && values[k] == 0.0) ||
+        (k == 3 && values[k] >= 1.0))
+      error->all(FLERR, "Bond style skin/stretch: {} = {} must be a number {}", NAMES[k],
+                 arg[k + 1], k == 3 ? "between 0 and 1" : positive ? "> 0" : ">= 0");
+  }
+
+  for (int i = ilo; i <= ihi; i++) {
+    std::copy(values, values + NCOEFFS, coeffs[i]);
+    setflag[i] = 1;
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::init_style()
+{
+  if (!force->newton_bond) error->all(FLERR, "Bond style skin/stretch needs newton on for bonds");
+  built_call = built_step = -1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double BondSkinStretch::equilibrium_distance(int i)
+{
+  return coeffs[i][1] * coeffs[i][3];
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::write_restart(FILE *fp)
+{
+  for (int i = 1; i <= atom->nbondtypes; i++) fwrite(coeffs[i], sizeof(double), NCOEFFS, fp);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::read_restart(FILE *fp)
+{
+  allocate();
+
+  const int n = NCOEFFS * atom->nbondtypes;
+  if (comm->me == 0)
+    utils::sfread(FLERR, coeffs[1], sizeof(double), n, fp, nullptr, error);
+  MPI_Bcast(coeffs[1], n, MPI_DOUBLE, 0, world);
+
+  for (int i = 1; i <= atom->nbondtypes; i++) setflag[i] = 1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::write_data(FILE *fp)
+{
+  for (int i = 1; i <= atom->nbondtypes; i++) {
+    fprintf(fp, "%d", i);
+    for (int k = 0; k < NCOEFFS; k++) fprintf(fp, " %.17g", coeffs[i][k]);
+    fputs("\n", fp);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+double BondSkinStretch::single(int type, double rsq, int /*i*/, int /*j*/, double &fforce)
+{
+  const double x[6] = {sqrt(rsq), 0.0, 0.0, 0.0, 0.0, 0.0};
+  const int first = 0, second = 1;
+  slopes_of(1, x, &first, &second, coeffs[type], &fforce);
+  return energy_of(type, x[0]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double BondSkinStretch::memory_usage()
+{
+  return Bond::memory_usage() +
+      (double) fbond.capacity() * (sizeof(double) + 2 * sizeof(int));
+}

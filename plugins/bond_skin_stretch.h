@@ -1,0 +1,40 @@
+#ifndef LMP_BOND_SKIN_STRETCH_H
+#define LMP_BOND_SKIN_STRETCH_H
+
+#include "bond.h"
+
+#include <vector>
+
+namespace LAMMPS_NS {
+
+class BondSkinStretch : public Bond {
+ public:
+  BondSkinStretch(class LAMMPS *);
+  ~BondSkinStretch() override;
+  void compute(int, int) override;
+  void coeff(int, char **) override;
+  void init_style() override;
+  double equilibrium_distance(int) override;
+  void write_restart(FILE *) override;
+  void read_restart(FILE *) override;
+  void write_data(FILE *) override;
+  double single(int, double, int, int, double &) override;
+  double memory_usage() override;
+
+ private:
+  static constexpr int NCOEFFS = 5;
+
+  double **coeffs;               // K, contact length, a2, d2, scale of the spring-like part
+  std::vector<double> fbond;     // force / distance of each link
+  std::vector<int> ends[2];      // atoms of each link
+  bigint built_call, built_step; // the neighbor build that these belong to
+
+  void allocate();
+  void list_links();
+  double energy_of(int, double) const;
+  void overstretched(int);
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

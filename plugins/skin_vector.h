@@ -1,0 +1,14 @@
+// Loops marked SKIN_VECTOR are compiled for several instruction sets; the one of this machine
+// is chosen when the plugin is loaded.
+
+#ifndef LMP_SKIN_VECTOR_H
+#define LMP_SKIN_VECTOR_H
+
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define SKIN_VECTOR __attribute__((target_clones("default", "arch=haswell", "arch=skylake-avx512")))
+#else
+#define SKIN_VECTOR
+#endif
+
+#endif

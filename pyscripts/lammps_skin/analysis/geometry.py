@@ -1,0 +1,60 @@
+"""Distances in a box that is periodic in x and y and open in z."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+Box = Sequence[float] | Floats  # L_x, L_y; what follows is not looked at
+
+
+def minimum_image(vectors: Floats, box: Box | None) -> Floats:
+    """Shortest periodic images of vectors (..., 2 or 3); the vectors themselves without a box."""
+    if box is None:
+        return vectors
+    sides = np.asarray(box, float)[:2]
+    shortest = np.array(vectors, float)
+    shortest[..., :2] -= sides * np.round(shortest[..., :2] / sides)
+    return shortest
+
+
+def wrapped(positions: Floats, box: Box) -> Floats:
+    """Positions (..., 2 or 3) with x in [0, L_x) and y in [0, L_y)."""
+    sides = np.asarray(box, float)[:2]
+    inside = np.array(positions, float)
+    inside[..., :2] %= sides
+    inside[..., :2][inside[..., :2] >= sides] = 0.0  # where the remainder was rounded up
+    return inside
+
+
+def periodic_tree(points: Floats, box: Box) -> cKDTree:
+    """Search tree of points (n, 2 or 3), periodic in x and y."""
+    open_axis = 0.0
+    sides = np.array([box[0], box[1], open_axis])
+    return cKDTree(wrapped(points, box), boxsize=sides[: points.shape[1]])
+
+
+def nearest(points: Floats, targets: Floats, box: Box) -> tuple[Ints, Floats]:
+    """Nearest target of every point.
+
+    Parameters
+    ----------
+    points : (p, 3) array
+    targets : (n, 3) array
+    box : (L_x, L_y)
+
+    Returns
+    -------
+    index : (p,) array of int
+        Of the nearest target, through the periodic edges; n if there is none.
+    distance : (p,) array
+        Infinite if there is no target.
+    """
+    distance, index = periodic_tree(targets, box).query(points)
+    return np.asarray(index, np.int64), np.asarray(distance, np.float64)

@@ -1,0 +1,48 @@
+"""The command ``skin``: each subcommand parses, calls the package and prints."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+import typer
+from typer.exceptions import TyperException
+
+from lammps_skin.cli.build import build
+from lammps_skin.cli.check import check
+from lammps_skin.cli.evaluate import evaluate
+from lammps_skin.cli.run import run
+from lammps_skin.cli.scenes import scenes
+from lammps_skin.errors import SkinError
+
+app = typer.Typer(
+    help="Epidermal stem cells on a deformable basement membrane and dermis, on LAMMPS.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+for command in (scenes, check, build, run, evaluate):
+    app.command()(command)
+
+
+@app.callback(invoke_without_command=True)
+def help_alone(context: typer.Context) -> None:
+    """Epidermal stem cells on a deformable basement membrane and dermis, on LAMMPS."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Entry point: what the user can mend ends as one line on stderr, with exit code 2."""
+    try:
+        code = app(arguments, standalone_mode=False, prog_name="skin")
+    except (SkinError, TyperException) as error:
+        text = error.format_message() if isinstance(error, TyperException) else str(error)
+        print(f"error: {_one_line(text)}", file=sys.stderr)
+        code = 2
+    sys.exit(code or 0)
+
+
+def _one_line(text: str) -> str:
+    """The text without line breaks and other control characters."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

@@ -1,0 +1,40 @@
+"""``skin build``: a directory in which ``lmp -in skin.in`` runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from lammps_skin.build import build as build_scene
+from lammps_skin.cli.options import Parameters, Settings, Source, console, scene_from
+from lammps_skin.configuration import Configuration
+from lammps_skin.kinds import Kind
+
+
+def build(
+    scene: Source,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Where to write it.")
+    ],
+    parameters: Parameters = None,
+    settings: Settings = None,
+) -> None:
+    """Write a scene as LAMMPS input: scripts, tables, data file."""
+    described = scene_from(scene, parameters, settings)
+    with console.status("building"):
+        configuration = build_scene(described, output)
+    console.print(f"{described.name}: {particles(configuration)}; box {sides(configuration)}")
+    console.print(f"built in {output}; run it there with: lmp -in skin.in")
+
+
+def particles(configuration: Configuration) -> str:
+    """Numbers of particles by kind."""
+    counts = [(int((configuration.kinds == kind).sum()), kind.label) for kind in Kind]
+    return ", ".join(f"{count} {label}" for count, label in counts if count)
+
+
+def sides(configuration: Configuration) -> str:
+    """Sides of the box."""
+    return " x ".join(f"{side:.6g}" for side in configuration.box)

@@ -1,0 +1,133 @@
+"""``skin check``: what a scene is, what is on and off, and what it will cost; nothing is run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from lammps_skin import cost
+from lammps_skin.arrangements import place_cells
+from lammps_skin.cli.options import Parameters, Settings, Source, console, scene_from
+from lammps_skin.configuration import check_sizes
+from lammps_skin.kinds import Kind
+from lammps_skin.scene import Scene
+from lammps_skin.terms import TERMS
+
+
+def check(
+    scene: Source,
+    parameters: Parameters = None,
+    settings: Settings = None,
+    measure: Annotated[
+        bool, typer.Option("--measure", help="Time a short run of the scene on this machine.")
+    ] = False,
+) -> None:
+    """Show what a scene has and what it will cost, without running it."""
+    described = scene_from(scene, parameters, settings)
+    check_sizes(described, described.box_sides)
+    place_cells(described)
+    console.print(f"{described.name}: {described.description}".rstrip(": "))
+    _print("part", _parts(described))
+    _print("term", _terms(described))
+    _print("size", _sizes(described))
+    _print("numerics", _numerics(described))
+    with console.status("measuring"):
+        seconds = cost.measure(described) if measure else None
+    _print("cost on one core", _costs(described, seconds))
+
+
+def _print(title: str, rows: Iterator[tuple[str, ...]]) -> None:
+    table = Table(title, *[""] * 2, box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*row)
+    console.print()
+    console.print(table)
+
+
+def _parts(scene: Scene) -> Iterator[tuple[str, ...]]:
+    cells = scene.cells
+    parts = {
+        "dermis": (scene.dermis.present, "dermis.present"),
+        "membrane": (True, ""),
+        "stem and TA cells, births, removals": (cells.stem > 0, "cells.stem"),
+        "non-dividing cells": (cells.nd > 0, "cells.nd"),
+        "trajectory": (scene.output.dump_interval > 0, "output.dump_interval"),
+        "restart files": (scene.output.checkpoint_interval > 0, "output.checkpoint_interval"),
+    }
+    for name, (on, key) in parts.items():
+        yield name, "on" if on else "off", "" if on else f"by {key}"
+
+
+def _terms(scene: Scene) -> Iterator[tuple[str, ...]]:
+    dermis, membrane, cells = scene.dermis, scene.membrane, scene.cells
+    without_dermis = "" if dermis.present else "no dermis"
+    without_cells = "" if scene.has_cells else "no cells"
+    without_stem = "" if cells.stem else "no stem cells"
+    terms = {
+        "dermis_dermis": (dermis.stiffness, without_dermis),
+        "dermis_membrane": (dermis.membrane_stiffness, without_dermis),
+        "wall": (dermis.wall_stiffness, without_dermis),
+        "stretch": (membrane.stretch_stiffness, ""),
+        "bend": (membrane.bending_stiffness, ""),
+        "membrane_exclusion": (membrane.exclusion_stiffness, ""),
+        "cell_membrane_exclusion": (cells.membrane_exclusion_stiffness, without_cells),
+        "adhesion": (cells.adhesion_stiffness, without_stem),
+        "binding": (cells.binding_stiffness, without_cells),
+        "cell_cell_exclusion": (cells.exclusion_stiffness, without_cells),
+        "cell_cell_adhesion": (cells.cell_adhesion_stiffness, without_cells),
+        "division": (cells.division_stiffness, without_stem),
+    }
+    for name in TERMS:
+        stiffness, missing = terms[name]
+        why = missing or ("" if stiffness else "its K is 0")
+        yield name, "off" if why else "on", why or f"K = {stiffness:g}"
+
+
+def _sizes(scene: Scene) -> Iterator[tuple[str, ...]]:
+    membrane, dermal, _ = cost.particle_counts(scene)
+    counts = {
+        Kind.DERMAL: dermal, Kind.MEMBRANE: membrane, Kind.STEM: scene.cells.stem,
+        Kind.ND: scene.cells.nd,
+    }  # fmt: skip
+    for kind, count in counts.items():
+        yield f"{kind.label} particles", f"{count:,}"
+    yield "links", f"{3 * membrane:,}"
+    yield "box", " x ".join(f"{side:.6g}" for side in scene.box_sides)
+
+
+def _numerics(scene: Scene) -> Iterator[tuple[str, ...]]:
+    numerics, output = scene.numerics, scene.output
+    yield "parameters, forces", f"{scene.parameters}, {scene.force_scale}"
+    yield "seeds", f"cells {scene.cell_seed}, dermis {scene.dermis_seed}"
+    yield "timestep, end time", f"{numerics.timestep:g}, {scene.end_time:g}"
+    yield "events handled every", f"{numerics.event_interval:g}"
+    yield "pair terms", numerics.pair_form
+    yield "tables", f"{numerics.table_style}, {numerics.table_points:,} points"
+    yield "neighbour skin", f"{numerics.neighbor_skin:g}"
+    yield (
+        "thermo, trajectory, restart every",
+        f"{output.thermo_interval:g}, {output.dump_interval:g}, {output.checkpoint_interval:g}",
+    )
+
+
+def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
+    expected = cost.estimate(scene)
+    factor = measured / expected.first_step if measured else 1.0
+    yield "memory", f"{expected.memory / 1e6:,.0f} MB"
+    yield "cells at the end", f"about {expected.cells:,.0f}"
+    yield "steps", f"{expected.steps:,}"
+    yield "step at the start", f"{expected.first_step * 1e3:.3g} ms expected"
+    if measured:
+        yield "", f"{measured * 1e3:.3g} ms measured"
+    yield "the whole run", f"about {_duration(factor * expected.seconds)}"
+
+
+def _duration(seconds: float) -> str:
+    """Seconds in the unit in which they are read most easily."""
+    for limit, unit, name in ((120, 1, "s"), (7200, 60, "min"), (172_800, 3600, "h")):
+        if seconds < limit:
+            return f"{seconds / unit:.3g} {name}"
+    return f"{seconds / 86_400:.3g} days"

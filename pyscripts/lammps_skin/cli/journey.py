@@ -1,0 +1,99 @@
+"""A run as it is watched: progress bar, what is known of the cells, what has happened."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from lammps_skin.analysis.coverage import count_by_kind, coverage
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.simulation import Simulation
+
+NAMES = {Kind.STEM: "stem", Kind.TA: "TA", Kind.EXHAUSTED: "exhausted", Kind.ND: "ND"}
+PIECES = 200  # of a run at least, and none longer than a time unit: how often the bar moves
+
+
+class Journey:
+    """A run of a simulation up to a time, by default its scene's end time.
+
+    Attributes
+    ----------
+    time : float
+        Time reached, also after a failure.
+    counts : dict of Kind to int
+        Living cells by kind at that time.
+    births, removals : int
+    """
+
+    def __init__(self, simulation: Simulation, until: float | None) -> None:
+        self._simulation = simulation
+        self._start = simulation.time
+        self._end = simulation.scene.end_time if until is None else until
+        self._first_id = int(simulation.forces().ids.max(initial=0))
+        self._first_cells = len(simulation.cells().ids)
+        self._coverage: float | None = None
+        self.births = 0
+        self._look(self._start)
+
+    def go(self, console: Console) -> None:
+        """Run, with a progress bar."""
+        bar = Progress(
+            TextColumn("t = {task.completed:.6g} of {task.total:g}", markup=False),
+            BarColumn(bar_width=12),
+            TextColumn("{task.fields[news]}", markup=False),
+            TimeRemainingColumn(),
+            console=console,
+        )
+        every = min(1.0, (self._end - self._start) / PIECES)
+        with bar:
+            task = bar.add_task("", total=self._end, news="")
+            bar.update(task, completed=self._start)
+
+            def show(time: float, _: Simulation) -> None:
+                self._look(time)
+                speed = (time - self._start) / max(bar.tasks[0].elapsed or 0.0, 1e-9)
+                news = f"{self.living()} +{self.births} -{self.removals} {speed:.3g} t/s"
+                bar.update(task, completed=round(time, 6), news=news)
+
+            self._simulation.run(self._end, progress=show, every=every)
+        self._coverage = self._covered()
+
+    def _look(self, time: float) -> None:
+        """Cells by kind; births from the highest id, which are given in turn and never again."""
+        cells = self._simulation.cells()
+        self.time = time
+        self.counts = count_by_kind(cells.types)
+        highest = int(cells.ids.max(initial=self._first_id))
+        self.births = max(highest - self._first_id, self.births)
+        self.removals = self._first_cells + self.births - len(cells.ids)
+
+    def _covered(self) -> float | None:
+        """Share of the membrane particles that are within reach of a cell's adhesion."""
+        scene, state = self._simulation.scene, self._simulation.forces()
+        cells = state.positions[np.isin(state.types, CELLS)]
+        if not len(cells):
+            return None
+        membrane = state.positions[state.types == Kind.MEMBRANE]
+        reach = scene.cells.adhesion_range * scene.contact
+        return coverage(membrane, cells, scene.box_sides[:2], reach)
+
+    def living(self) -> str:
+        """Numbers of living cells by kind."""
+        cells = (f"{self.counts[kind]} {name}" for kind, name in NAMES.items() if self.counts[kind])
+        return ", ".join(cells) or "no cells"
+
+    def lines(self, log: Path) -> Iterator[str]:
+        """What has happened; the event log also has what came and went between two looks."""
+        if log.exists():
+            rows = log.read_text("utf-8").splitlines()[1:]
+            events = Counter(row.split(",")[1] for row in rows if row.count(",") > 1)
+            self.births = max(self.births, events["birth"])
+            self.removals = max(self.removals, events["death"])
+        yield f"{self.living()}; {self.births} births, {self.removals} removals"
+        if self._coverage is not None:
+            yield f"{self._coverage:.0%} of the membrane within reach of a cell"

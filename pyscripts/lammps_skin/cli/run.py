@@ -1,0 +1,117 @@
+"""``skin run``: a run with a progress bar, and at its end what happened and where the files are."""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from lammps_skin.cli.journey import Journey
+from lammps_skin.cli.options import Parameters, Settings, console, scene_from
+from lammps_skin.configuration import Configuration
+from lammps_skin.errors import SceneError, SimulationError
+from lammps_skin.scene import Scene
+from lammps_skin.scenes import BUILT_IN
+from lammps_skin.simulation import Simulation, check_run, load_built, start_time
+
+FILES = {
+    "events.csv": "births, ends of divisions, removals",
+    "skin.dump": "trajectory",
+    "log.lammps": "energies by term and numbers of cells against time",
+}
+RESTARTS = "skin.*.restart"
+INTERRUPTED = 130
+
+
+def run(
+    source: Annotated[
+        str,
+        typer.Argument(metavar="SCENE|DIR", help="Built-in scene, .toml file or built directory."),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Run directory [default: runs/NAME]."),
+    ] = None,
+    ranks: Annotated[int, typer.Option(help="MPI ranks.")] = 1,
+    threads: Annotated[int, typer.Option(help="Threads of each rank.")] = 1,
+    until: Annotated[
+        float | None, typer.Option(help="Time at which to end, instead of the scene's.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the results of a run.")] = False,
+    parameters: Parameters = None,
+    settings: Settings = None,
+) -> None:
+    """Run a scene, or a directory that `skin build` has made."""
+    scene, directory = _what_and_where(source, output, parameters, settings)
+    check_run(directory, ranks, threads)
+    if any((directory / name).exists() for name in ("events.csv", "skin.dump")) and not force:
+        raise SceneError(f"directory {directory}: holds results of a run; --force replaces them")
+    if until is not None:
+        scene = _shortened(scene, directory, until)
+
+    began = time.perf_counter()
+    with console.status("building"):
+        configuration = Configuration.from_scene(scene) if scene else None
+        _remove_results(directory)
+        simulation = Simulation(scene, directory, configuration, ranks, threads)
+    journey, end = Journey(simulation, until), "stopped after"
+    try:
+        with simulation:
+            journey.go(console)
+        end = "reached"
+    except KeyboardInterrupt:
+        end = "interrupted at"
+        raise typer.Exit(INTERRUPTED) from None
+    finally:
+        seconds = time.perf_counter() - began
+        console.print(f"{simulation.scene.name}: {end} t = {journey.time:.6g}, {seconds:.1f} s")
+        for line in journey.lines(directory / "events.csv"):
+            console.print(f"  {line}")
+        _name_files(directory)
+
+
+def _shortened(scene: Scene | None, directory: Path, until: float) -> Scene | None:
+    """The scene with another end time; a built directory stays as it is."""
+    start = 0.0 if scene else start_time(directory)
+    if not start < until < math.inf:
+        raise SimulationError(f"--until = {until:g}: must be a time after the start, {start:g}")
+    shortened = (scene or load_built(directory)).replace(end_time=until)
+    return shortened if scene else None
+
+
+def _what_and_where(
+    source: str, output: Path | None, parameters: str | None, settings: list[str] | None
+) -> tuple[Scene | None, Path]:
+    """The scene, None for a built directory, and the directory of the run."""
+    built = bool(source) and source not in BUILT_IN and Path(source).is_dir()
+    if not built:
+        scene = scene_from(source, parameters, settings)
+        return scene, output or Path("runs") / scene.name
+    for option, value in (("--set", settings), ("--parameters", parameters), ("-o", output)):
+        if value:
+            raise SceneError(
+                f"{option}: a built directory is run as it is; give the scene to change it"
+            )
+    load_built(Path(source))
+    return None, Path(source)
+
+
+def _remove_results(directory: Path) -> None:
+    for path in [*(directory / name for name in FILES), *directory.glob(RESTARTS)]:
+        if path.exists():
+            path.unlink()
+
+
+def _name_files(directory: Path) -> None:
+    """Print what a run has left."""
+    console.print(f"in {directory}:")
+    for name, content in FILES.items():
+        if (directory / name).exists():
+            console.print(f"  {name:<16} {content}")
+    restarts = sorted(directory.glob(RESTARTS), key=lambda path: path.stat().st_mtime)
+    if restarts:
+        newest = restarts[-1].name
+        console.print(f"  {newest:<16} go on from it: lmp -in skin.in -var restart {newest}")

@@ -1,0 +1,382 @@
+"""`dihedral_style skin/bend` against `multi/harmonic`, finite differences and itself."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from lammps_skin.engine import one_line, open_lammps
+from model_states import membrane, small_scene
+from numpy_model import Floats, Ints, State, energies_and_forces, named, triangular_lattice
+
+BIN = Path(sys.executable).parent
+LATTICE = (14, 16)
+K = 0.5
+SKIN = ("skin/bend", f"{K}")
+STOCK = ("multi/harmonic", f"{K / 2} {K} {K / 2} 0 0")
+
+COMPUTES = """
+compute energy all pe dihedral
+compute atomic all pe/atom dihedral
+compute stress all stress/atom NULL dihedral
+compute pressure all pressure NULL dihedral
+thermo_style custom step c_energy c_pressure[*]
+thermo_modify norm no
+dump all all custom 1 dump id fx fy fz c_atomic c_stress[*]
+"""
+SETTINGS = """
+units lj
+atom_style molecular
+processors * * 1
+boundary p p f
+neighbor 0.3 bin
+comm_modify cutoff 3.0
+log none
+"""
+
+
+class Sheet(NamedTuple):
+    """A membrane alone; the hinges are rows of `types` and of four particles."""
+
+    box: tuple[float, float]
+    positions: Floats
+    hinges: Ints
+    types: Ints
+
+    def write(self, path: Path) -> None:
+        """Write a data file."""
+        n, types = len(self.positions), max(self.types)
+        head = f"membrane\n\n{n} atoms\n{len(self.hinges)} dihedrals\n1 atom types\n"
+        head += f"{types} dihedral types\n\n0 {self.box[0]:.17g} xlo xhi\n"
+        head += f"0 {self.box[1]:.17g} ylo yhi\n0 40 zlo zhi\n\nMasses\n\n1 1\n\nAtoms\n\n"
+        inside = self.positions.copy()
+        inside[:, :2] %= self.box
+        rows = [f"{i} 0 1 {x:.17g} {y:.17g} {z:.17g}" for i, (x, y, z) in enumerate(inside, 1)]
+        lines = zip(self.types, self.hinges + 1, strict=True)
+        rows += ["\nDihedrals\n"]
+        rows += [f"{i} {t} {a} {b} {c} {d}" for i, (t, (a, b, c, d)) in enumerate(lines, 1)]
+        path.write_text(head + "\n".join(rows) + "\n")
+
+
+def make_sheet(shape: str) -> Sheet:
+    """Return a crumpled or folded membrane."""
+    scene = small_scene("bare-membrane")
+    positions = membrane(scene, shape, np.random.default_rng(3))
+    hinges = triangular_lattice(*LATTICE)[2]
+    return Sheet(scene.box_sides[:2], positions, hinges, np.ones(len(hinges), int))
+
+
+@pytest.fixture(params=["crumpled", "folded"])
+def sheet(request: pytest.FixtureRequest) -> Sheet:
+    """Return membranes of both shapes."""
+    return make_sheet(request.param)
+
+
+@pytest.fixture
+def lammps() -> Iterator[Any]:
+    """Return a LAMMPS without anything in it."""
+    engine = open_lammps()
+    engine.commands_string(SETTINGS)
+    yield engine
+    engine.close()
+
+
+class Result(NamedTuple):
+    """What LAMMPS computes: all per-atom values sorted by id."""
+
+    energy: float
+    pressure: Floats
+    forces: Floats
+    atomic: Floats
+    stress: Floats
+
+
+def evaluate(engine: Any, *style: str) -> Result:
+    """Set a dihedral style and all its coefficients and evaluate it."""
+    engine.command(f"dihedral_style {style[0]}")
+    for number, coefficients in enumerate(style[1:], 1):
+        engine.command(f"dihedral_coeff {number} {coefficients}")
+    engine.command("run 0")
+    return result(engine)
+
+
+def result(engine: Any) -> Result:
+    """Return what the last run has computed."""
+    order = np.argsort(engine.numpy.extract_atom("id")[: engine.extract_global("nlocal")])
+    get = engine.numpy.extract_compute
+    return Result(
+        float(get("energy", 0, 0)), np.array(get("pressure", 0, 1)),
+        engine.numpy.extract_atom("f")[order], get("atomic", 1, 1)[order],
+        get("stress", 1, 2)[order],
+    )  # fmt: skip
+
+
+def load(engine: Any, folder: Path, sheet: Sheet) -> None:
+    """Read a membrane into LAMMPS and define the computes."""
+    sheet.write(folder / "sheet.data")
+    engine.command(f"read_data {folder}/sheet.data")
+    engine.commands_string(COMPUTES.replace("custom 1 dump", f"custom 1 {folder}/dump"))
+
+
+def assert_same(got: Result, want: Result, tolerance: float) -> None:
+    """Compare all that two styles must agree in."""
+    scale = np.abs(want.forces).max()
+    assert got.energy == pytest.approx(want.energy, rel=tolerance, abs=0)
+    np.testing.assert_allclose(got.forces, want.forces, rtol=0, atol=tolerance * scale)
+    np.testing.assert_allclose(got.atomic, want.atomic, rtol=tolerance, atol=1e-15)
+    scale = np.abs(want.pressure).max()
+    np.testing.assert_allclose(got.pressure, want.pressure, rtol=0, atol=tolerance * scale)
+
+
+# ---- against stock LAMMPS ----
+
+
+def test_same_as_multi_harmonic(lammps: Any, tmp_path: Path, sheet: Sheet) -> None:
+    """Energy, forces, pressure tensor and energies by atom are those of K/2 (1 + cos)^2."""
+    load(lammps, tmp_path, sheet)
+    stock = evaluate(lammps, *STOCK)
+    assert stock.energy > 1
+    assert np.abs(stock.forces).max() > 1
+    assert np.abs(stock.pressure).min() > 1e-6
+    assert_same(evaluate(lammps, *SKIN), stock, 1e-10)
+
+
+def assert_same_as_numpy(got: Result, sheet: Sheet, tolerance: float) -> None:
+    """Compare energy and forces with those of the numpy model."""
+    n = len(sheet.positions)
+    state = State(
+        np.full(n, "M"), sheet.positions, sheet.box, np.zeros(n, int), hinges=sheet.hinges
+    )
+    energies, forces = energies_and_forces(state, named("papilla"))
+    assert got.energy == pytest.approx(energies["bend"], rel=tolerance, abs=0)
+    scale = np.abs(forces["bend"]).max()
+    np.testing.assert_allclose(got.forces, forces["bend"], rtol=0, atol=tolerance * scale)
+
+
+def test_same_as_numpy(lammps: Any, tmp_path: Path, sheet: Sheet) -> None:
+    """Energy and forces are those of the numpy model."""
+    load(lammps, tmp_path, sheet)
+    assert_same_as_numpy(evaluate(lammps, *SKIN), sheet, 1e-12)
+
+
+def test_per_atom_sums(lammps: Any, tmp_path: Path, sheet: Sheet) -> None:
+    """Energies and stresses by atom add up to the energy and the pressure."""
+    load(lammps, tmp_path, sheet)
+    got = evaluate(lammps, *SKIN)
+    assert got.atomic.sum() == pytest.approx(got.energy, rel=1e-12)
+    volume = sheet.box[0] * sheet.box[1] * 40
+    scale = np.abs(got.pressure).max()
+    np.testing.assert_allclose(
+        got.stress.sum(axis=0) / -volume, got.pressure, rtol=0, atol=1e-12 * scale
+    )
+
+
+def test_several_types(lammps: Any, tmp_path: Path, sheet: Sheet) -> None:
+    """Each dihedral type has its own stiffness."""
+    mixed = sheet._replace(types=np.random.default_rng(1).integers(1, 4, len(sheet.hinges)))
+    load(lammps, tmp_path, mixed)
+    stock = evaluate(lammps, STOCK[0], ".25 .5 .25 0 0", "0 0 0 0 0", "1.1 2.2 1.1 0 0")
+    assert_same(evaluate(lammps, SKIN[0], "0.5", "0", "2.2"), stock, 1e-10)
+
+
+def test_numdiff(lammps: Any, tmp_path: Path, sheet: Sheet) -> None:
+    """Forces are the central differences that LAMMPS itself takes of the energy."""
+    load(lammps, tmp_path, sheet)
+    lammps.command("fix numdiff all numdiff 1 1.0e-5")
+    # nothing moves: there is no integrator, and the fix works in the steps alone
+    lammps.command("dihedral_style skin/bend")
+    lammps.command("dihedral_coeff * 0.5")
+    lammps.command("run 1")
+    got = result(lammps).forces
+    order = np.argsort(lammps.numpy.extract_atom("id")[: len(got)])
+    differences = lammps.numpy.extract_fix("numdiff", 1, 2)[order]
+    scale = np.abs(got).max()
+    assert scale > 1
+    np.testing.assert_allclose(differences, got, rtol=0, atol=1e-7 * scale)
+
+
+# ---- independence of how the hinges are listed, and of the ranks ----
+
+
+def listed_at_random(sheet: Sheet) -> Sheet:
+    """Return the sheet with shuffled hinges, half of them and half of their links reversed."""
+    rng = np.random.default_rng(5)
+    hinges = sheet.hinges[rng.permutation(len(sheet.hinges))]
+    turned, swapped = rng.random((2, len(hinges))) < 0.5
+    hinges[turned] = hinges[turned][:, ::-1]
+    hinges[swapped] = hinges[swapped][:, [0, 2, 1, 3]]
+    return sheet._replace(hinges=hinges)
+
+
+def test_any_order_and_orientation(lammps: Any, tmp_path: Path, sheet: Sheet) -> None:
+    """A hinge may be listed from either end, with its link either way round."""
+    load(lammps, tmp_path, sheet)
+    want = evaluate(lammps, *SKIN)
+    lammps.command("clear")
+    lammps.commands_string(SETTINGS)
+    load(lammps, tmp_path, listed_at_random(sheet))
+    assert_same(evaluate(lammps, *SKIN), want, 1e-12)
+
+
+def test_drift_through_the_edges(lammps: Any, tmp_path: Path, sheet: Sheet) -> None:
+    """Forces go with a sheet that drifts around the box, through many neighbor builds."""
+    load(lammps, tmp_path, sheet)
+    want = evaluate(lammps, *SKIN)
+    lammps.commands_string("""
+        atom_modify sort 10 1.0
+        neigh_modify every 1 delay 0 check yes
+        timestep 0.05
+        fix drift all move linear 1.0 0.7 0.0
+        run 250
+    """)
+    assert_same(result(lammps), want, 1e-10)
+
+
+def run_lmp(folder: Path, script: str, ranks: int = 1) -> subprocess.CompletedProcess[str]:
+    """Run an input script in a folder."""
+    (folder / "in").write_text(script)
+    command = [BIN / "mpirun", "-np", str(ranks), BIN / "lmp", "-in", "in", "-nocite"]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60)
+
+
+@pytest.mark.parametrize("shape", ["crumpled", "folded"])
+def test_ranks(tmp_path: Path, shape: str) -> None:
+    """On 1, 2 and 4 ranks energy, pressure and all per-atom values are the same."""
+    listed_at_random(make_sheet(shape)).write(tmp_path / "data")
+    script = SETTINGS + "read_data data\ndihedral_style skin/bend\ndihedral_coeff 1 0.5\n"
+    script += COMPUTES + "dump_modify all sort id format float %.17g\n"
+    script += "thermo_modify format float %.17g\nrun 0\n"
+    atoms, thermo = [], []
+    for ranks in (1, 2, 4):
+        run = run_lmp(tmp_path, script, ranks)
+        assert run.returncode == 0, run.stdout
+        lines = run.stdout.splitlines()
+        assert any(f"{ranks} by 1 by 1 MPI" in line or "2 by 2 by 1 MPI" in line for line in lines)
+        header = next(n for n, line in enumerate(lines) if line.split()[:1] == ["Step"])
+        thermo.append(np.array(lines[header + 1].split(), float))
+        atoms.append(np.loadtxt(tmp_path / "dump", skiprows=9))
+    assert len(atoms[0]) == 224
+    for other, numbers in zip(atoms[1:], thermo[1:], strict=True):
+        np.testing.assert_array_equal(other[:, 0], atoms[0][:, 0])
+        scale = np.abs(atoms[0][:, 1:4]).max()
+        np.testing.assert_allclose(other[:, 1:], atoms[0][:, 1:], rtol=0, atol=1e-12 * scale)
+        np.testing.assert_allclose(numbers, thermo[0], rtol=1e-10, atol=0)
+
+
+# ---- errors ----
+
+
+@pytest.mark.parametrize(
+    ("commands", "message"),
+    [
+        (["dihedral_coeff 1 -0.5"], "skin/bend: K = -0.5 must be a number >= 0"),
+        (["dihedral_coeff 1"], "needs one coefficient, K, but got 0"),
+        (["dihedral_coeff 1 0.5 0.5"], "needs one coefficient, K, but got 2"),
+        (["dihedral_coeff 1 inf"], "K = inf|instead of 'inf'"),
+        (["dihedral_coeff 1 nan"], "K = nan|instead of 'nan'"),
+        (["dihedral_coeff 2 0.5"], "[Nn]umeric index 2 is out of bounds"),
+        (["run 0"], "Dihedral coeffs are not set"),
+    ],
+)
+def test_refused(lammps: Any, tmp_path: Path, commands: list[str], message: str) -> None:
+    """A wrong coefficient is refused by an error that names it."""
+    load(lammps, tmp_path, make_sheet("crumpled"))
+    lammps.command("dihedral_style skin/bend")
+    with pytest.raises(Exception, match=message):
+        for command in commands:
+            lammps.command(command)
+
+
+def test_hinge_given_twice_is_refused(lammps: Any, tmp_path: Path) -> None:
+    """A link of two triangles is one hinge, listed once."""
+    sheet = make_sheet("crumpled")
+    hinges = np.vstack([sheet.hinges, sheet.hinges[7]])
+    load(lammps, tmp_path, sheet._replace(hinges=hinges, types=np.append(sheet.types, 1)))
+    with pytest.raises(Exception, match="two dihedrals for one link of the triangle of atoms"):
+        evaluate(lammps, *SKIN)
+
+
+def test_free_edges(lammps: Any, tmp_path: Path, sheet: Sheet) -> None:
+    """Links without a hinge, as at an edge of the membrane, do not bend."""
+    kept = np.random.default_rng(2).random(len(sheet.hinges)) < 0.7
+    torn = sheet._replace(hinges=sheet.hinges[kept], types=sheet.types[kept])
+    load(lammps, tmp_path, torn)
+    got = evaluate(lammps, *SKIN)
+    assert_same_as_numpy(got, torn, 1e-12)
+    assert_same(got, evaluate(lammps, *STOCK), 1e-10)
+
+
+def test_newton_off_is_refused(lammps: Any, tmp_path: Path) -> None:
+    """Each hinge must be computed by one rank."""
+    lammps.command("newton on off")
+    load(lammps, tmp_path, make_sheet("crumpled"))
+    with pytest.raises(Exception, match="skin/bend needs newton on for bonds"):
+        evaluate(lammps, *SKIN)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_degenerate_triangle(tmp_path: Path, ranks: int) -> None:
+    """Three particles on a line have no normal: the error names them, the step and the remedy."""
+    sheet = make_sheet("crumpled")
+    corners = flatten(sheet, 0.0)
+    sheet.write(tmp_path / "data")
+    script = SETTINGS.replace("log none", "log log") + "read_data data\n"
+    script += "dihedral_style skin/bend\ndihedral_coeff 1 0.5\nrun 0\n"
+    run = run_lmp(tmp_path, script, ranks)
+    assert run.returncode != 0
+    log = (tmp_path / "log").read_text().splitlines()
+    error = one_line(next(line for line in log if "ERROR" in line))
+    assert error.startswith("Dihedral skin/bend: the triangle of atoms ")
+    assert {int(word) - 1 for word in error.split()[6:9]} == corners
+    assert error.endswith(
+        "has no normal on step 0: its area is below 5e-11; try a smaller timestep than 0.005"
+    )
+
+
+def flatten(sheet: Sheet, height: float) -> set[int]:
+    """Put a corner of a triangle at a height above the middle of its link; return the corners."""
+    corner, i, j, _ = sheet.hinges[100]
+    sheet.positions[corner] = (sheet.positions[i] + sheet.positions[j]) / 2 + (0, 0, height)
+    return {int(corner), int(i), int(j)}
+
+
+@pytest.mark.parametrize("height", [1e-2, 1e-4, 1e-7])
+def test_sliver(lammps: Any, tmp_path: Path, height: float) -> None:
+    """Of a triangle that is not quite degenerate the forces are exact, however large."""
+    sheet = make_sheet("crumpled")
+    flatten(sheet, height)
+    load(lammps, tmp_path, sheet)
+    got = evaluate(lammps, *SKIN)
+    assert np.abs(got.forces).max() > 1 / height
+    assert_same_as_numpy(got, sheet, 1e-12)
+
+
+# ---- files ----
+
+
+def test_coefficients_survive_files(lammps: Any, tmp_path: Path) -> None:
+    """Data and restart files keep the coefficients of all types to the last digit."""
+    sheet = make_sheet("folded")
+    types = np.random.default_rng(1).integers(1, 3, len(sheet.hinges))
+    load(lammps, tmp_path, sheet._replace(types=types))
+    third, tenth = 1 / 3, 0.1
+    want = evaluate(lammps, SKIN[0], f"{third:.17g}", f"{tenth:.17g}")
+    lammps.command(f"write_data {tmp_path}/written.data")
+    lammps.command(f"write_restart {tmp_path}/written.restart")
+    text = (tmp_path / "written.data").read_text().splitlines()
+    start = text.index("Dihedral Coeffs # skin/bend")
+    written = [line.split() for line in text[start + 2 : start + 4]]
+    assert [(int(number), float(k)) for number, k in written] == [(1, third), (2, tenth)]
+
+    for read in (
+        f"read_restart {tmp_path}/written.restart",
+        f"dihedral_style skin/bend\nread_data {tmp_path}/written.data",
+    ):
+        lammps.command("clear")
+        lammps.commands_string(SETTINGS + read)
+        lammps.commands_string(COMPUTES.replace("custom 1 dump", f"custom 1 {tmp_path}/dump"))
+        lammps.command("run 0")
+        assert_same(result(lammps), want, 1e-12)
