@@ -37,13 +37,14 @@ BondSkinStretch::~BondSkinStretch()
 }
 
 /* ----------------------------------------------------------------------
-   -dE/dr / r of all links of one type; returns how many are at their singular length or
+   -dE/dr / r and forces of all links of one type; returns how many are at their singular length or
    beyond, or of no length
 ------------------------------------------------------------------------- */
 
 SKIN_VECTOR static int slopes_of(int n, const double *__restrict x, const int *__restrict first,
                                  const int *__restrict second, const double *coeff,
-                                 double *__restrict fbond)
+                                 double *__restrict fbond, double *__restrict fx,
+                                 double *__restrict fy, double *__restrict fz)
 {
   const double d2 = coeff[3], per_contact = 1.0 / coeff[1], per_d2 = 1.0 / d2;
   const double stiffness = coeff[0] * per_contact;
@@ -61,12 +62,21 @@ SKIN_VECTOR static int slopes_of(int n, const double *__restrict x, const int *_
     const double above = std::max(s - 1.0, 0.0);
     const double between = std::min(std::max(s, d2), 1.0) - d2;
     const double argument = (std::min(s, d2) - above) * per_d2;
-    const double inverse = 1.0 / argument;
+
+    // one division for both 1 / argument and 1 / r
+
+    const double reciprocal = 1.0 / (argument * r);
+    const double inverse = reciprocal * r;
     const double inv3 = inverse * inverse * inverse, inv6 = inv3 * inv3;
     const double wall = (inv6 - inv6 * inv6) * inverse * per_d2;
 
     beyond += !(argument > 0.0);
-    fbond[k] = -stiffness * (spring * between + (above > 0.0 ? -wall : wall)) / r;
+    const double slope = -stiffness * (spring * between + (above > 0.0 ? -wall : wall)) *
+        (reciprocal * argument);
+    fbond[k] = slope;
+    fx[k] = slope * dx;
+    fy[k] = slope * dy;
+    fz[k] = slope * dz;
   }
   return beyond;
 }
@@ -89,25 +99,32 @@ void BondSkinStretch::compute(int eflag, int vflag)
   for (int begin = 0, end; begin < nlinks; begin = end) {
     const int type = bondlist[begin][2];
     for (end = begin + 1; end < nlinks && bondlist[end][2] == type;) end++;
-    if (slopes_of(end - begin, x, &ends[0][begin], &ends[1][begin], coeffs[type], &fbond[begin]))
+    if (slopes_of(end - begin, x, &ends[0][begin], &ends[1][begin], coeffs[type], &fbond[begin],
+                  &pull[0][begin], &pull[1][begin], &pull[2][begin]))
       for (int n = begin; n < end; n++) overstretched(n);
   }
 
   for (int n = 0; n < nlinks; n++) {
-    const int i = 3 * ends[0][n], j = 3 * ends[1][n];
-    const double dx = x[i] - x[j], dy = x[i + 1] - x[j + 1], dz = x[i + 2] - x[j + 2];
-    f[i] += fbond[n] * dx;
-    f[i + 1] += fbond[n] * dy;
-    f[i + 2] += fbond[n] * dz;
-    f[j] -= fbond[n] * dx;
-    f[j + 1] -= fbond[n] * dy;
-    f[j + 2] -= fbond[n] * dz;
-
-    if (evflag) {
-      const double r = sqrt(dx * dx + dy * dy + dz * dz);
-      const double e = eflag_either ? energy_of(bondlist[n][2], r) : 0.0;
-      ev_tally(ends[0][n], ends[1][n], atom->nlocal, 1, e, fbond[n], dx, dy, dz);
+    double *fi = f + 3 * ends[0][n], *fj = f + 3 * ends[1][n];
+    for (int d = 0; d < 3; d++) {
+      fi[d] += pull[d][n];
+      fj[d] -= pull[d][n];
     }
+  }
+  if (evflag) tally();
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::tally()
+{
+  for (int n = 0; n < (int) fbond.size(); n++) {
+    const int i = ends[0][n], j = ends[1][n];
+    const double *xi = atom->x[i], *xj = atom->x[j];
+    const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
+    const double r = sqrt(dx * dx + dy * dy + dz * dz);
+    const double e = eflag_either ? energy_of(neighbor->bondlist[n][2], r) : 0.0;
+    ev_tally(i, j, atom->nlocal, 1, e, fbond[n], dx, dy, dz);
   }
 }
 
@@ -117,6 +134,7 @@ void BondSkinStretch::list_links()
 {
   const int nlinks = neighbor->nbondlist;
   fbond.resize(nlinks);
+  for (auto &component : pull) component.resize(nlinks);
   for (int e = 0; e < 2; e++) {
     ends[e].resize(nlinks);
     for (int n = 0; n < nlinks; n++) ends[e][n] = neighbor->bondlist[n][e];
@@ -258,7 +276,8 @@ double BondSkinStretch::single(int type, double rsq, int /*i*/, int /*j*/, doubl
 {
   const double x[6] = {sqrt(rsq), 0.0, 0.0, 0.0, 0.0, 0.0};
   const int first = 0, second = 1;
-  slopes_of(1, x, &first, &second, coeffs[type], &fforce);
+  double f[3];
+  slopes_of(1, x, &first, &second, coeffs[type], &fforce, &f[0], &f[1], &f[2]);
   return energy_of(type, x[0]);
 }
 
@@ -267,5 +286,5 @@ double BondSkinStretch::single(int type, double rsq, int /*i*/, int /*j*/, doubl
 double BondSkinStretch::memory_usage()
 {
   return Bond::memory_usage() +
-      (double) fbond.capacity() * (sizeof(double) + 2 * sizeof(int));
+      (double) fbond.capacity() * (4 * sizeof(double) + 2 * sizeof(int));
 }

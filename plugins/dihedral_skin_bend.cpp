@@ -76,10 +76,11 @@ SKIN_VECTOR static int normals_of(int n, const double *__restrict x, const int *
    g = dE/d(unit normal), h = dE/d(unnormalised normal); a and b are its edges from corner 0
 ------------------------------------------------------------------------- */
 
-SKIN_VECTOR static void forces_of(int n, const double *__restrict x, const int *const *corner,
-                                  const int *const *across, const int *const *type,
-                                  const double *__restrict stiffness, const double *const *normal,
-                                  const double *__restrict inverse, double *const *push)
+template <bool ONE_TYPE>
+static inline __attribute__((always_inline)) void
+forces_loop(int n, const double *__restrict x, const int *const *corner, const int *const *across,
+            const int *const *type, const double *__restrict stiffness,
+            const double *const *normal, const double *__restrict inverse, double *const *push)
 {
   const int *__restrict c0 = corner[0], *__restrict c1 = corner[1], *__restrict c2 = corner[2];
   const double *__restrict nx = normal[0], *__restrict ny = normal[1], *__restrict nz = normal[2];
@@ -87,16 +88,20 @@ SKIN_VECTOR static void forces_of(int n, const double *__restrict x, const int *
   double *__restrict qx = push[3], *__restrict qy = push[4], *__restrict qz = push[5];
   const int *__restrict m0 = across[0], *__restrict m1 = across[1], *__restrict m2 = across[2];
   const int *__restrict k0 = type[0], *__restrict k1 = type[1], *__restrict k2 = type[2];
+  const double common = stiffness[1];
 
   for (int t = 0; t < n; t++) {
     const double ux = nx[t], uy = ny[t], uz = nz[t];
     const int i = m0[t], j = m1[t], k = m2[t];
-    const double si = stiffness[k0[t]] * (ux * nx[i] + uy * ny[i] + uz * nz[i] - 1.0);
-    const double sj = stiffness[k1[t]] * (ux * nx[j] + uy * ny[j] + uz * nz[j] - 1.0);
-    const double sk = stiffness[k2[t]] * (ux * nx[k] + uy * ny[k] + uz * nz[k] - 1.0);
-    const double gx = si * nx[i] + sj * nx[j] + sk * nx[k];
-    const double gy = si * ny[i] + sj * ny[j] + sk * ny[k];
-    const double gz = si * nz[i] + sj * nz[j] + sk * nz[k];
+    const double ix = nx[i], iy = ny[i], iz = nz[i];
+    const double jx = nx[j], jy = ny[j], jz = nz[j];
+    const double kx = nx[k], ky = ny[k], kz = nz[k];
+    const double si = (ONE_TYPE ? common : stiffness[k0[t]]) * (ux * ix + uy * iy + uz * iz - 1.0);
+    const double sj = (ONE_TYPE ? common : stiffness[k1[t]]) * (ux * jx + uy * jy + uz * jz - 1.0);
+    const double sk = (ONE_TYPE ? common : stiffness[k2[t]]) * (ux * kx + uy * ky + uz * kz - 1.0);
+    const double gx = si * ix + sj * jx + sk * kx;
+    const double gy = si * iy + sj * jy + sk * ky;
+    const double gz = si * iz + sj * jz + sk * kz;
 
     const double along = gx * ux + gy * uy + gz * uz;
     const double hx = (gx - along * ux) * inverse[t];
@@ -113,6 +118,17 @@ SKIN_VECTOR static void forces_of(int n, const double *__restrict x, const int *
     qy[t] = hx * az - hz * ax;
     qz[t] = hy * ax - hx * ay;
   }
+}
+
+SKIN_VECTOR static void forces_of(int n, int ntypes, const double *x, const int *const *corner,
+                                  const int *const *across, const int *const *type,
+                                  const double *stiffness, const double *const *normal,
+                                  const double *inverse, double *const *push)
+{
+  if (ntypes == 1)
+    forces_loop<true>(n, x, corner, across, type, stiffness, normal, inverse, push);
+  else
+    forces_loop<false>(n, x, corner, across, type, stiffness, normal, inverse, push);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -136,7 +152,8 @@ void DihedralSkinBend::compute(int eflag, int vflag)
   const double *units[] = {normal[0].data(), normal[1].data(), normal[2].data()};
   double *pushes[] = {push[0].data(), push[1].data(), push[2].data(),
                       push[3].data(), push[4].data(), push[5].data()};
-  forces_of(ntriangles, x, corners, others, types, stiffness, units, inverse.data(), pushes);
+  forces_of(ntriangles, atom->ndihedraltypes, x, corners, others, types, stiffness, units,
+            inverse.data(), pushes);
 
   add_forces();
   if (eflag_either) tally_energy();

@@ -31,7 +31,7 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0), cycle_rate(0.0),
     first_phase(0.0), spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
     half_separation(0.0), generations(0), every(1), next_id(0), births(0), deaths(0), state{},
-    log(lmp), log_position(-1), energy{}, energy_all{}, energy_summed(false), nmax(0)
+    log(lmp), log_position(-1), setup_time(0.0), energy{}, energy_all{}, energy_summed(false), nmax(0)
 {
   parse(narg, arg);
 
@@ -66,7 +66,8 @@ FixSkinCells::~FixSkinCells()
 
 int FixSkinCells::setmask()
 {
-  return PRE_EXCHANGE | PRE_REVERSE | MIN_PRE_REVERSE | END_OF_STEP;
+  return PRE_EXCHANGE | PRE_NEIGHBOR | PRE_REVERSE | MIN_PRE_NEIGHBOR | MIN_PRE_REVERSE |
+      END_OF_STEP;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -74,8 +75,14 @@ int FixSkinCells::setmask()
 void FixSkinCells::init()
 {
   if (!force->newton) error->all(FLERR, "Fix skin/cells needs newton on");
-  if (!atom->molecule_flag)
-    error->all(FLERR, "Fix skin/cells needs an atom style with molecule IDs, such as molecular");
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "Fix skin/cells does not work with run_style respa");
+  if (atom->molecular != Atom::MOLECULAR || atom->maxspecial < 1)
+    error->all(FLERR, "Fix skin/cells needs an atom style with bonds, such as molecular");
+  if (force->special_lj[1] != 0.0 || force->special_coul[1] != 0.0)
+    error->all(FLERR, "Fix skin/cells needs special_bonds with weights 0.0 of 1-2 neighbors, or the "
+               "two cells of a dividing pair would exclude each other; it got {} and {}",
+               force->special_lj[1], force->special_coul[1]);
   if (atom->map_style == Atom::MAP_NONE) error->all(FLERR, "Fix skin/cells needs an atom map");
   if (domain->zperiodic || domain->boundary[2][1] != 1)
     error->all(FLERR, "Fix skin/cells removes cells through the top of the box: "
@@ -129,8 +136,9 @@ void FixSkinCells::check_cell(int i)
   if ((kind == TA && m <= 0) || (kind == EXHAUSTED && m != 0) || m < 0)
     error->one(FLERR, "Fix skin/cells: cell {} is of kind {} and has {} divisions left",
                atom->tag[i], KIND_NAMES[kind], m);
-  if (state.pair[i] == atom->tag[i])
-    error->one(FLERR, "Fix skin/cells: cell {} is paired with itself", atom->tag[i]);
+  if (state.pair[i] == atom->tag[i] || state.pair[i] < 0 || state.pair[i] > atom->map_tag_max)
+    error->one(FLERR, "Fix skin/cells: cell {} is paired with {}, which is no other cell",
+               atom->tag[i], state.pair[i]);
 }
 
 /* ----------------------------------------------------------------------
@@ -154,10 +162,31 @@ double FixSkinCells::time_of_step(bigint step) const
   return update->atime + (double) (step - update->atimestep) * update->dt;
 }
 
+/* ----------------------------------------------------------------------
+   special neighbors are made from bonds alone when atoms are read: put dividing pairs back in
+------------------------------------------------------------------------- */
+
+void FixSkinCells::setup_pre_neighbor()
+{
+  refresh_state();
+  for (int i = 0; i < atom->nlocal; i++)
+    if (kind_of(i) != NONE) hide_pair(i);
+}
+
+/* ----------------------------------------------------------------------
+   current time; in a minimisation, whose iterations are no time, that of its start
+------------------------------------------------------------------------- */
+
+double FixSkinCells::now() const
+{
+  return update->whichflag == 2 ? setup_time : time_of_step(update->ntimestep);
+}
+
 /* ---------------------------------------------------------------------- */
 
 void FixSkinCells::setup_pre_reverse(int eflag, int vflag)
 {
+  setup_time = time_of_step(update->ntimestep);
   check_reach();
   refresh_state();
   for (int i = 0; i < atom->nlocal; i++) schedule_first(i);
@@ -260,7 +289,7 @@ void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
   } else {
     const double width = adhesion_range - 1.0;
     if (!(stretch <= width) && state.detached_time[i] < 0.0)
-      state.detached_time[i] = time_of_step(update->ntimestep);
+      state.detached_time[i] = now();
     if (kind == TA && stretch > 0.0) {
       const double s = std::min(stretch, width), q = s * s / (width * width);
       energy[ADHESION] += 0.5 * adhesion_stiffness * s * s * (1.0 - 0.5 * q);
@@ -291,7 +320,7 @@ void FixSkinCells::pull_pair(int i)
     error->one(FLERR, "Fix skin/cells: the cells {} and {} of a dividing pair are at one point",
                atom->tag[i], state.pair[i]);
 
-  const double age = time_of_step(update->ntimestep) - state.pair_start[i];
+  const double age = now() - state.pair_start[i];
   const double length = std::min(spring_start + spring_rate * age, spring_end);
   const double stretch = r - length;
   const double fpair = -spring_stiffness * stretch / r;
@@ -349,7 +378,7 @@ void FixSkinCells::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
   const double list[] = {(double) next_id, (double) births, (double) deaths,
-                         (double) log.flush()};
+                         (double) log.sync()};
   const int size = sizeof(list);
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(list, 1, size, fp);

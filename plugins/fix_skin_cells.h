@@ -18,6 +18,7 @@ class FixSkinCells : public Fix {
   ~FixSkinCells() override;
   int setmask() override;
   void init() override;
+  void setup_pre_neighbor() override;
   void setup_pre_reverse(int, int) override;
   void setup(int) override;
   void pre_exchange() override;
@@ -56,6 +57,7 @@ class FixSkinCells : public Fix {
   SkinCellState state;
   SkinEventLog log;
   bigint log_position;    // where the log stood when the restart file was written, or -1
+  double setup_time;      // time at the setup of this run or minimisation
 
   SkinNearest nearest;
   std::vector<int> cells;    // local indices of my cells since the last neighbor build
@@ -71,6 +73,7 @@ class FixSkinCells : public Fix {
   void check_cell(int);
   void check_reach() const;
   double time_of_step(bigint) const;
+  double now() const;
 
   // forces
 
@@ -95,6 +98,7 @@ class FixSkinCells : public Fix {
   SkinCellEvent division_of(int, const SkinNearest::Neighbor &) const;
   void remove(const SkinCellEvent &);
   void dissolve(const SkinCellEvent &);
+  void hide_pair(int);
   tagint new_id();
   void give_birth(const std::vector<SkinCellEvent> &);
   void divide_mother(int, const SkinCellEvent &, tagint);

@@ -34,7 +34,7 @@ void FixSkinCells::schedule_first(int i)
   const tagint id = atom->tag[i];
   const double elapsed = first_phase * SkinRandom::uniform(seed, id, 0, SkinRandom::FIRST_PHASE);
   const double exponential = wait(id, 0) - cycle_delay;
-  state.next_division[i] = time_of_step(update->ntimestep) +
+  state.next_division[i] = now() +
       std::max(cycle_delay - elapsed, 0.0) + exponential;
 }
 
@@ -117,13 +117,15 @@ void FixSkinCells::pre_exchange()
     }
   }
 
+  log.flush();
   give_birth(newborn);
   deaths += removed;
   atom->natoms -= removed;
 }
 
 /* ----------------------------------------------------------------------
-   my events; the nearest membrane particles are those of the current positions
+   my events; detachment was noticed with the forces of earlier steps, while divisions need the
+   nearest membrane particles of the current positions
 ------------------------------------------------------------------------- */
 
 std::vector<SkinCellEvent> FixSkinCells::due_events()
@@ -133,27 +135,19 @@ std::vector<SkinCellEvent> FixSkinCells::due_events()
               0.5 * contact);
   refresh_state();
 
-  const double time = time_of_step(update->ntimestep);
-  const double threshold = adhesion_range * contact;
+  const double time = now();
   std::vector<SkinCellEvent> events;
 
   for (int i : cells) {
-    const int kind = kind_of(i);
-    const SkinNearest::Neighbor closest = nearest.find(atom->x[i]);
+    const bool grown = state.pair[i] && pair_end_time(i) <= time;
+    if (grown && atom->tag[i] > state.pair[i])
+      events.push_back(end_of_pair(i, pair_end_time(i), SkinCellEvent::GROWN));
 
-    if ((kind == TA || kind == EXHAUSTED) && state.detached_time[i] < 0.0 &&
-        (closest.index < 0 || !(closest.distsq <= threshold * threshold)))
-      state.detached_time[i] = time;
     if (state.detached_time[i] >= 0.0) {
       events.push_back(death_of(i));
-      continue;
-    }
-
-    if (state.pair[i]) {
-      if (pair_end_time(i) <= time && atom->tag[i] > state.pair[i])
-        events.push_back(end_of_pair(i, pair_end_time(i), SkinCellEvent::GROWN));
-    } else if (divides_by(i, time)) {
-      events.push_back(division_of(i, closest));
+    } else if ((grown || !state.pair[i]) && divides_by(i, time)) {
+      const SkinNearest::Neighbor closest = nearest.find(atom->x[i]);
+      if (closest.index >= 0) events.push_back(division_of(i, closest));
     }
   }
   return events;
@@ -233,6 +227,7 @@ SkinCellEvent FixSkinCells::division_of(int i, const SkinNearest::Neighbor &clos
   SkinCellEvent event = death_of(i);
   event.kind = SkinCellEvent::BIRTH;
   event.time = state.next_division[i];
+  if (state.pair[i]) event.time = std::max(event.time, pair_end_time(i));
   event.divisions_left = stem ? generations : state.divisions_left[i] - 1;
   event.type = type_of_kind[event.divisions_left > 0 ? TA : EXHAUSTED];
   event.mask = atom->mask[i];
@@ -273,10 +268,22 @@ void FixSkinCells::dissolve(const SkinCellEvent &event)
     const int i = atom->map(id);
     if (i < 0 || i >= atom->nlocal) continue;
     state.pair[i] = 0;
-    atom->molecule[i] = id;
+    hide_pair(i);
     if (state.next_division[i] >= 0.0)
       state.next_division[i] = std::max(state.next_division[i], event.time);
   }
+}
+
+/* ----------------------------------------------------------------------
+   the cells of a dividing pair are special neighbors of each other, as if there were a bond
+   between them: the pair styles do not see them
+------------------------------------------------------------------------- */
+
+void FixSkinCells::hide_pair(int i)
+{
+  const int n = state.pair[i] ? 1 : 0;
+  std::fill(atom->nspecial[i], atom->nspecial[i] + 3, n);
+  if (n) atom->special[i][0] = state.pair[i];
 }
 
 /* ---------------------------------------------------------------------- */
@@ -333,7 +340,7 @@ void FixSkinCells::divide_mother(int i, const SkinCellEvent &event, tagint daugh
                                                      : event.time + wait(event.id, number);
   state.pair[i] = daughter;
   state.pair_start[i] = event.time;
-  atom->molecule[i] = daughter;
+  hide_pair(i);
   std::copy(event.mother_x, event.mother_x + 3, atom->x[i]);
 }
 
@@ -342,12 +349,12 @@ void FixSkinCells::divide_mother(int i, const SkinCellEvent &event, tagint daugh
 void FixSkinCells::start_daughter(int i, const SkinCellEvent &event, tagint id)
 {
   atom->mask[i] = event.mask;
-  atom->molecule[i] = id;
   state.divisions_left[i] = event.divisions_left;
   state.divisions_done[i] = 0;
   state.parent[i] = event.id;
   state.pair[i] = event.id;
   state.pair_start[i] = event.time;
+  hide_pair(i);
   state.birth_time[i] = event.time;
   state.detached_time[i] = SkinCellState::NEVER;
   state.next_division[i] = (kind_of(i) == EXHAUSTED) ? SkinCellState::NEVER

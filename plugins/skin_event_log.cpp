@@ -63,10 +63,18 @@ void SkinEventLog::write(double time, const char *kind, tagint id, tagint parent
 
 /* ---------------------------------------------------------------------- */
 
-bigint SkinEventLog::flush()
+void SkinEventLog::flush()
 {
-  if (!fp) return 0;
-  check(fflush(fp) == 0 && fsync(fileno(fp)) == 0, "write");
+  if (fp) check(fflush(fp) == 0, "write");
+}
+
+/* ---------------------------------------------------------------------- */
+
+bigint SkinEventLog::sync()
+{
+  if (!fp) return -1;
+  flush();
+  check(fsync(fileno(fp)) == 0, "write");
   return ftell(fp);
 }
 

@@ -24,9 +24,13 @@ class SkinEventLog : protected Pointers {
   void write(double time, const char *kind, tagint id, tagint parent, int type, const double *x,
              int divisions_left, const char *cause);
 
-  // on rank 0: bring what was written to disk, return the length of the file
+  // hand what was written to the system, so that others see it
 
-  bigint flush();
+  void flush();
+
+  // bring it to disk, return the length of the file on rank 0, -1 if there is no log
+
+  bigint sync();
 
  private:
   std::string filename;

@@ -47,11 +47,17 @@ void SkinNearest::bin(int n, const double *const *x, const int *type, const tagi
   }
   for (size_t c = 1; c < first.size(); c++) first[c] += first[c - 1];
 
+  zlo.assign(first.size(), INFINITY);
+  zhi.assign(first.size(), -INFINITY);
   std::vector<int> slot(first.begin(), first.end());
   k = 0;
-  for (int i = 0; i < n; i++)
-    if (type[i] == membrane)
-      particles[slot[column_of[k++]]++] = {{x[i][0], x[i][1], x[i][2]}, i, tag[i]};
+  for (int i = 0; i < n; i++) {
+    if (type[i] != membrane) continue;
+    const int c = column_of[k++];
+    particles[slot[c]++] = {{x[i][0], x[i][1], x[i][2]}, i, tag[i]};
+    zlo[c] = std::min(zlo[c], x[i][2]);
+    zhi[c] = std::max(zhi[c], x[i][2]);
+  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -63,12 +69,32 @@ int SkinNearest::column(int dim, double coordinate) const
 }
 
 /* ----------------------------------------------------------------------
+   lower bound for the distance to the particles of a column: that to the box that holds them
+------------------------------------------------------------------------- */
+
+double SkinNearest::distance_squared_to_column(int ix, int iy, const double *point) const
+{
+  const int c = iy * ncolumns[0] + ix;
+  const double xlo = lo[0] + ix * width, ylo = lo[1] + iy * width;
+  const double dx = std::max({xlo - point[0], point[0] - xlo - width, 0.0});
+  const double dy = std::max({ylo - point[1], point[1] - ylo - width, 0.0});
+  const double dz = std::max({zlo[c] - point[2], point[2] - zhi[c], 0.0});
+  return dx * dx + dy * dy + dz * dz;
+}
+
+/* ----------------------------------------------------------------------
    of particles at the same distance the one with the lowest ID is the nearest
 ------------------------------------------------------------------------- */
 
 void SkinNearest::search_column(int ix, int iy, const double *point, Neighbor &best,
                                 tagint &best_tag) const
 {
+  // a hair's breadth for the rounding of the bound
+
+  if (best.index >= 0 &&
+      distance_squared_to_column(ix, iy, point) > best.distsq * (1.0 + 1.0e-12))
+    return;
+
   const int c = iy * ncolumns[0] + ix;
   for (int k = first[c]; k < first[c + 1]; k++) {
     const Particle &p = particles[k];
@@ -131,9 +157,14 @@ void SkinNearest::add_candidates(const double *point, double margin)
     const int xlo = column(0, point[0] - radius), xhi = column(0, point[0] + radius);
     const int ylo = column(1, point[1] - radius), yhi = column(1, point[1] + radius);
     for (int iy = ylo; iy <= yhi; iy++)
-      for (int k = first[iy * ncolumns[0] + xlo]; k < first[iy * ncolumns[0] + xhi + 1]; k++)
-        if (distance_squared(point, particles[k].x) <= radius * radius)
-          candidates.push_back(particles[k].index);
+      for (int ix = xlo; ix <= xhi; ix++) {
+        if (distance_squared_to_column(ix, iy, point) > radius * radius * (1.0 + 1.0e-12))
+          continue;
+        const int c = iy * ncolumns[0] + ix;
+        for (int k = first[c]; k < first[c + 1]; k++)
+          if (distance_squared(point, particles[k].x) <= radius * radius)
+            candidates.push_back(particles[k].index);
+      }
   }
   first_candidate.push_back((int) candidates.size());
 }

@@ -44,12 +44,14 @@ class SkinNearest {
   int ncolumns[2];
   double lo[2], width;
   std::vector<int> first;             // first particle of each column, one entry more at the end
+  std::vector<double> zlo, zhi;       // extent of each column's particles
   std::vector<Particle> particles;    // sorted by column
   std::vector<int> column_of;
 
   std::vector<int> candidates, first_candidate;
 
   int column(int dim, double coordinate) const;
+  double distance_squared_to_column(int ix, int iy, const double *point) const;
   void search_column(int ix, int iy, const double *point, Neighbor &best, tagint &best_tag) const;
 };
 

@@ -100,7 +100,9 @@ def _check_room(scene: Scene, places: Floats) -> None:
         closest = _distances(places[:n], places[n], sides).min()
         if closest < diameter * (1 - 1e-9):
             raise SceneError(
-                _does_not_fit(scene, f"two would be {closest:.4g} apart, below 2 R_c = {diameter:g}")
+                _does_not_fit(
+                    scene, f"two would be {closest:.4g} apart, below 2 R_c = {diameter:g}"
+                )
             )
 
 

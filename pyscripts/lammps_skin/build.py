@@ -12,7 +12,7 @@ from typing import Any
 
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError
-from lammps_skin.kinds import CELLS
+from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
 from lammps_skin.terms import (
     StyledTerm,
@@ -99,6 +99,7 @@ def _variables(
     yield index("dump_interval", scene.output.dump_interval)
     yield index("checkpoint_interval", scene.output.checkpoint_interval)
     yield index("event_interval", scene.numerics.event_interval)
+    yield index("running", 1)
     yield "\n# parts"
     yield index("has_dermis", int(scene.dermis.present))
     yield index("has_cells", int(scene.has_cells))
@@ -108,6 +109,7 @@ def _variables(
     yield index("neighbor_skin", scene.numerics.neighbor_skin)
     yield index("ghost_cutoff", ghost_cutoff(scene, configuration))
     yield string("collections", *_collections(scene))
+    yield index("bin_size", scene.spacing + scene.numerics.neighbor_skin)
     yield "\n# pair terms: sub-style, where its table is if it has one, and its coefficients"
     yield string("pair_styles", *(term.style for term in terms))
     for term, style in zip(terms, _numbered(terms), strict=True):
@@ -145,10 +147,10 @@ def _cell_variables(scene: Scene, string: Any) -> Iterator[str]:
 
 
 def _collections(scene: Scene) -> list[str]:
-    """Collections of types for the neighbor search: dermis, membrane, all cells together."""
-    single = [str(n) for n, kind in enumerate(scene.kinds, 1) if kind not in CELLS]
-    cells = [f"{len(single) + 1}*{len(scene.kinds)}"] if scene.has_cells else []
-    return [str(len(single + cells)), *single, *cells]
+    """Collections of types for the neighbor search: the membrane, and all that is larger."""
+    larger = [str(n) for n, kind in enumerate(scene.kinds, 1) if kind != Kind.MEMBRANE]
+    membrane = str(scene.kinds.index(Kind.MEMBRANE) + 1)
+    return ["2", membrane, ",".join(larger)] if larger else ["1", membrane]
 
 
 def _numbered(terms: list[StyledTerm]) -> Iterator[str]:

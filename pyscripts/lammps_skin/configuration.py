@@ -17,7 +17,7 @@ from lammps_skin.errors import ConfigurationError, SceneError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.packing import dermal_count, pack_dermis
 from lammps_skin.scene import Scene
-from lammps_skin.terms import pair_shapes, stretch_table
+from lammps_skin.terms import pair_shapes
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -163,13 +163,13 @@ class Configuration:
         delta = self.positions[self.links[:, 0]] - self.positions[self.links[:, 1]]
         delta[:, :2] -= self.box[:2] * np.round(delta[:, :2] / self.box[:2])
         lengths = np.linalg.norm(delta, axis=1)
-        low, high = stretch_table(scene).distances[[0, -1]]
-        bad = np.flatnonzero((lengths < low) | (lengths > high))
+        singular = 2 * scene.membrane.radius * (1 + scene.membrane.spacing_ratio)
+        bad = np.flatnonzero((lengths == 0) | (lengths >= singular))
         if len(bad):
             i, j = self.links[bad[0]]
             raise ConfigurationError(
                 f"positions: the link of the particles {i} and {j} is {lengths[bad[0]]:g} long, "
-                f"must be {low:g} to {high:g}"
+                f"must be between 0 and {singular:g}"
             )
 
     def _check_cells(self, scene: Scene) -> None:
@@ -220,8 +220,6 @@ class Configuration:
         ids = np.arange(1, n + 1)
         lammps_type = {kind: number for number, kind in enumerate(kinds, 1)}
         types = np.array([lammps_type[Kind(kind)] for kind in self.kinds])
-        paired = self.pair > 0
-        molecule = np.where(self.is_cell, np.where(paired, np.maximum(ids, self.pair), ids), 0)
 
         with path.open("w", encoding="utf-8") as file:
             file.write("LAMMPS data file, written by lammps-skin\n\n")
@@ -234,7 +232,7 @@ class Configuration:
             file.write("\nMasses\n\n")
             file.writelines(f"{number} 1\n" for number in lammps_type.values())
             file.write("\nAtoms # molecular\n\n")
-            atoms = np.column_stack([ids, molecule, types, self.wrapped()])
+            atoms = np.column_stack([ids, np.zeros(n), types, self.wrapped()])
             np.savetxt(file, atoms, fmt="%d %d %d %.17g %.17g %.17g")
             if len(self.links):
                 file.write("\nBonds\n\n")

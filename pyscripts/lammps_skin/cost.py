@@ -36,10 +36,10 @@ class Rates:
     particle: float = 1.0e-8
     dermal: float = 2.0e-7
     cell: float = 6.0e-7
-    link: float = 2.2e-8
-    rebuild: float = 1.3e-6
-    base_memory: float = 110e6
-    particle_memory: float = 3200.0
+    link: float = 1.8e-8
+    rebuild: float = 1.0e-6
+    base_memory: float = 100e6
+    particle_memory: float = 2200.0
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ def _rebuilds(scene: Scene, cells: np.ndarray) -> np.ndarray:
     return -np.expm1(-events * interval) / interval + REBUILDS_BY_MOTION / numerics.neighbor_skin
 
 
-def measure(scene: Scene, seconds: float = 2.0) -> float:
+def measure(scene: Scene, seconds: float = 1.0) -> float:
     """Seconds of a step at the start of a scene, from a run of about `seconds` here and now."""
     timestep = scene.numerics.timestep
     steps = max(round(seconds / estimate(scene).first_step), 20)

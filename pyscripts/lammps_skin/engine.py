@@ -152,10 +152,12 @@ class Engine:
 
     def _energy(self, term: str) -> float:
         if term in FIX_TERMS:
-            return float(self._lammps.extract_fix("cells", 0, 1, FIX_TERMS.index(term), 0))
+            return float(
+                self._guard(self._lammps.extract_fix, "cells", 0, 1, FIX_TERMS.index(term), 0)
+            )
         if term == "wall":
-            return float(self._lammps.extract_fix("wall", 0, 0))
-        return float(self._lammps.extract_compute(term, 0, 0))
+            return float(self._guard(self._lammps.extract_fix, "wall", 0, 0))
+        return float(self._guard(self._lammps.extract_compute, term, 0, 0))
 
     def forces(self) -> Forces:
         """Forces on all particles."""
@@ -170,9 +172,7 @@ class Engine:
         positions = self._gather("x", 1, 3)[order]
         if not len(ids):
             nothing, none = np.empty(0), np.empty(0, int)
-            return Cells(
-                ids, types, positions, none, none, nothing, none, none, nothing, nothing
-            )
+            return Cells(ids, types, positions, none, none, nothing, none, none, nothing, nothing)
         state = self._gather("f_cells", 1, 8)[order]
         whole = state[:, [0, 1, 3, 4]].astype(int)
         return Cells(

@@ -99,7 +99,7 @@ def _check(text: Text, path: Path) -> None:
             f"configuration {path}: lattice {nx} x {ny} needs {nx * ny} membrane particles, "
             f"the file has {membrane}"
         )
-    for i, j, length in text.pairs:
+    for i, j, _ in text.pairs:
         if i == j or not all(0 <= n < len(text.kinds) and text.kinds[n] in CELLS for n in (i, j)):
             raise ConfigurationError(f"configuration {path}: pair {i} {j}: must be two cells")
 
@@ -188,8 +188,8 @@ def evaluate(
     """Energies and forces of the configuration in a text file, with the scene's own styles."""
     text = read_text(path)
     scene = scene_of(text, parameters, changes or {})
-    configuration = configuration_of(text, scene)
     try:
+        configuration = configuration_of(text, scene)
         configuration.check(scene)
     except ConfigurationError as error:
         raise ConfigurationError(f"configuration {path}: {error}") from None

@@ -30,7 +30,7 @@ def links_and_hinges(lattice: tuple[int, int]) -> tuple[Ints, Ints]:
     odd = row % 2
 
     def at(rows_up: int, columns_right: Ints | int) -> Ints:
-        return (row + rows_up) % ny * nx + (column + columns_right) % nx
+        return np.asarray((row + rows_up) % ny * nx + (column + columns_right) % nx)
 
     here = at(0, 0)
     right, left = at(0, 1), at(0, -1)

@@ -18,7 +18,6 @@ from lammps_skin.engine import one_line
 from lammps_skin.errors import SimulationError
 from lammps_skin.worker import KEY
 
-
 GRACE = 2.0  # seconds that the other ranks have to report the same error
 
 
@@ -30,12 +29,13 @@ class RankedEngine:
         self._folder = tempfile.TemporaryDirectory(prefix="skin-")
         key = secrets.token_bytes(32)
         address = str(Path(self._folder.name) / "socket")
-        command = [_mpirun(), "-np", str(ranks), sys.executable, "-m", "lammps_skin.worker", address]
+        worker = [sys.executable, "-m", "lammps_skin.worker", address]
         with Listener(address, "AF_UNIX", backlog=ranks, authkey=key) as listener:
-            self._output = tempfile.TemporaryFile("w+")
+            self._output = tempfile.TemporaryFile("w+")  # noqa: SIM115
             self._process = subprocess.Popen(
-                command, env={**os.environ, KEY: key.hex()},
+                [_mpirun(), "-np", str(ranks), *worker], env={**os.environ, KEY: key.hex()},
                 stdin=subprocess.DEVNULL, stdout=self._output, stderr=subprocess.STDOUT,
+                start_new_session=True,
             )  # fmt: skip
             self._connections = self._accept(listener, ranks)
         self._call("open", *arguments)
@@ -86,7 +86,7 @@ class RankedEngine:
                 self._process.terminate()
                 self._process.wait()
                 break
-            replies |= {connection: connection.recv() for connection in ready}
+            replies |= {c: c.recv() for c in waiting if c in ready}
         return replies
 
     def _last_error(self) -> str:

@@ -66,13 +66,12 @@ class Simulation:
         check_run(self.directory, ranks, threads)
         if scene is None:
             self.scene = load_built(self.directory)
-            start = start_time(self.directory)
         else:
             self.scene = scene
-            start = build(scene, self.directory, configuration).time
+            build(scene, self.directory, configuration)
         arguments = (
             self.directory, self.scene.kinds, present_terms(self.scene),
-            {**(variables or {}), "end_time": start}, threads,
+            {**(variables or {}), "running": 0}, threads,
         )  # fmt: skip
         try:
             self._engine: Any = (
@@ -122,9 +121,9 @@ class Simulation:
         timestep = engine.timestep()
         end = self.scene.end_time if until is None else until
         step = engine.step()
-        if not step <= end / timestep + 0.5 < 2**62:
+        if not self.time - timestep / 2 <= end < 2**53 * timestep:
             raise SimulationError(f"until = {end:g}: must be a time from {self.time:g} on")
-        last = round(end / timestep)
+        last = step + round((end - self.time) / timestep)
         piece = last - step if progress is None else max(round(every / timestep), 1)
         while step < last:
             step = min(step + piece, last)
@@ -139,8 +138,13 @@ class Simulation:
             self._running.run_to(step)
         except SimulationError as error:
             raise SimulationError(
-                f"{error} (after t = {since:g}, numerics.timestep = {timestep:g})"
+                f"{error} (after t = {since:g}, numerics.timestep = {timestep:g}; try "
+                f"{timestep / 2:g}; {self._last_checkpoint()})"
             ) from None
+
+    def _last_checkpoint(self) -> str:
+        files = sorted(self.directory.glob("skin.*.restart"), key=lambda f: f.stat().st_mtime)
+        return f"last checkpoint: {files[-1]}" if files else "no checkpoint was written"
 
     def command(self, text: str) -> None:
         """Give LAMMPS a command."""

@@ -59,7 +59,8 @@ class Table:
             between = (1 - fraction) * stored[:-1] + fraction * stored[1:]
             between *= distance if self.squared else 1.0
             exact = self.force(distance)
-            worst = max(worst, float(np.max(np.abs(between - exact) / np.maximum(np.abs(exact), floor))))
+            error = np.abs(between - exact) / np.maximum(np.abs(exact), floor)
+            worst = max(worst, float(np.max(error)))
         return worst
 
     def write(self, path: Path) -> None:

@@ -84,18 +84,18 @@ def pair_shapes(scene: Scene) -> list[Shape]:
     """The pair terms that this scene has."""
     dermis, membrane, cells = scene.dermis, scene.membrane, scene.cells
     ex, ex_slope = potentials.exclusion, potentials.exclusion_slope
-    spacing = scene.spacing
     shapes = [
         Shape(
-            "membrane_exclusion", membrane.exclusion_stiffness, spacing, 1.0, ex, ex_slope, True, 0.3
+            "membrane_exclusion", membrane.exclusion_stiffness, scene.spacing, 1.0,
+            ex, ex_slope, True, 0.3,
         )
-    ]
+    ]  # fmt: skip
     if dermis.present:
         reach, a1, d1 = dermis.attraction_range, dermis.softening, dermis.softening_onset
         shapes += [
             Shape(
-                "dermis_membrane", dermis.membrane_stiffness, membrane.radius + dermis.radius, reach,
-                lambda x: potentials.truncated(x, reach),
+                "dermis_membrane", dermis.membrane_stiffness, membrane.radius + dermis.radius,
+                reach, lambda x: potentials.truncated(x, reach),
                 lambda x: potentials.truncated_slope(x, reach), True, 0.3,
             ),
             Shape(

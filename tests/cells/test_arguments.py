@@ -1,0 +1,222 @@
+"""Wrong arguments and settings of fix skin/cells: each gives one error that says what is wrong."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from lammps_skin.engine import one_line, open_lammps
+
+PROPERTIES = (
+    "i_divisions_left i_divisions_done i_parent i_pair "
+    "d_next_division d_birth_time d_pair_start d_detached_time"
+)
+# one membrane particle below each of three cells: stem, TA, exhausted
+SETTING = {
+    "style": "atom_style molecular",
+    "newton": "newton on",
+    "boundary": "boundary p p f",
+    "region": "region box block 0 12 0 12 0 20",
+    "box": "create_box 5 box",
+    "state": f"fix state all property/atom {PROPERTIES}",
+    "sheet": "create_atoms 1 single 3 3 5",
+    "stem": "create_atoms 2 single 3 3 7.4",
+    "ta": "create_atoms 3 single 4 3 7",
+    "mass": "mass * 1",
+    "pair": "pair_style zero 4.0 nocoeff",
+    "coefficients": "pair_coeff * *",
+    "neighbor": "neighbor 0.3 bin",
+    "rebuild": "neigh_modify every 1 delay 0 check yes",
+    "reach": "comm_modify cutoff 5.0",
+    "schedule": "set type 2*3 d_next_division -1 d_detached_time -1",
+    "generation": "set type 2*3 i_divisions_left 3",
+    "group": "group cells type 2:5",
+}
+ARGUMENTS = {
+    "membrane": "1", "stem": "2", "ta": "3", "exhausted": "4", "nd": "5", "contact": "2.4",
+    "adhesion": "25 1.2", "binding": "25", "cycle": "36 0.083 48", "generations": "10",
+    "spring": "5 0.014 0.14 2.8", "offset": "0.007", "every": "10",
+}  # fmt: skip
+OPTIONAL = ("stem", "ta", "exhausted", "nd", "every")
+REQUIRED = [keyword for keyword in ARGUMENTS if keyword not in OPTIONAL]
+
+
+@pytest.fixture
+def lammps() -> Iterator[Any]:
+    engine = open_lammps(["-log", "none"])
+    yield engine
+    engine.close()
+
+
+def start(lammps: Any, setting: dict[str, str], arguments: dict[str, str], seed: str = "1") -> None:
+    """A run of no steps; a keyword with the value - is left out."""
+    for command in {**SETTING, **setting}.values():
+        lammps.commands_string(command)
+    words = [f"{key} {value}" for key, value in {**ARGUMENTS, **arguments}.items() if value != "-"]
+    lammps.command(f"fix cells cells skin/cells {seed} " + " ".join(words))
+    lammps.command("run 0 post no")
+
+
+def error_of(lammps: Any, *arguments: Any, **more: Any) -> str:
+    with pytest.raises(Exception) as error:
+        start(lammps, *arguments, **more)
+    return one_line(str(error.value))
+
+
+def test_setting_is_right(lammps: Any) -> None:
+    """What the other tests spoil one by one runs as it is."""
+    start(lammps, {}, {})
+    assert [lammps.extract_fix("cells", 0, 1, n, 0) for n in (3, 4, 5, 6)] == [1, 1, 0, 0]
+
+
+@pytest.mark.parametrize("keyword", REQUIRED)
+def test_required_keyword(lammps: Any, keyword: str) -> None:
+    assert error_of(lammps, {}, {keyword: "-"}) == f"Fix skin/cells needs the keyword {keyword}"
+
+
+NUMBER = "Expected floating point parameter instead of"
+INTEGER = "Expected integer parameter instead of"
+
+
+@pytest.mark.parametrize(
+    ("keyword", "value", "message"),
+    [
+        ("membrane", "9", "Fix skin/cells membrane = 9: there are atom types 1 to 5"),
+        ("membrane", "0", "Fix skin/cells membrane = 0: there are atom types 1 to 5"),
+        ("membrane", "2", "Fix skin/cells: atom type 2 is both membrane and cell"),
+        ("stem", "6", "Fix skin/cells stem = 6: there are atom types 1 to 5"),
+        ("ta", "2", "Fix skin/cells ta: atom type 2 is named twice"),
+        ("exhausted", "3", "Fix skin/cells exhausted: atom type 3 is named twice"),
+        ("nd", "4", "Fix skin/cells nd: atom type 4 is named twice"),
+        ("ta", "-", "Fix skin/cells: stem cells need the keywords ta and exhausted too"),
+        ("exhausted", "-", "Fix skin/cells: stem cells need the keywords ta and exhausted too"),
+        ("contact", "0", "Fix skin/cells contact = 0: must be a number > 0"),
+        ("contact", "-2.4", "Fix skin/cells contact = -2.4: must be a number > 0"),
+        ("contact", "wide", f"{NUMBER} 'wide'"),
+        ("contact", "nan", f"{NUMBER} 'nan'"),
+        ("contact", "1e999", "Floating point number 1e999"),
+        ("adhesion", "-1 1.2", "Fix skin/cells adhesion K = -1: must be a number >= 0"),
+        ("adhesion", "25 1.0", "Fix skin/cells adhesion lambda = 1.0: must be > 1"),
+        ("adhesion", "25 x", f"{NUMBER} 'x'"),
+        ("binding", "-25", "Fix skin/cells binding = -25: must be a number >= 0"),
+        ("cycle", "-1 0.083 48", "Fix skin/cells cycle T0 = -1: must be a number >= 0"),
+        ("cycle", "36 0 48", "Fix skin/cells cycle gamma = 0: must be a number > 0"),
+        ("cycle", "36 0.083 -1", "Fix skin/cells cycle first phase = -1: must be a number >= 0"),
+        ("generations", "-1", "Fix skin/cells generations = -1: must be an integer >= 0"),
+        ("generations", "2.5", f"{INTEGER} '2.5'"),
+        ("spring", "-5 0.014 0.14 2.8", "Fix skin/cells spring K = -5: must be a number >= 0"),
+        ("spring", "5 -1 0.14 2.8", "Fix skin/cells spring start = -1: must be a number >= 0"),
+        ("spring", "5 0.014 0 2.8", "Fix skin/cells spring rate = 0: must be a number > 0"),
+        (
+            "spring", "5 2.8 0.14 2.8",
+            "Fix skin/cells spring: its end 2.8 must be longer than its start 2.8",
+        ),
+        ("offset", "0", "Fix skin/cells offset = 0: must be a number > 0"),
+        ("every", "0", "Fix skin/cells every = 0: must be an integer >= 1"),
+        ("every", "0.5", f"{INTEGER} '0.5'"),
+        ("every", "", "Fix skin/cells every needs 1 value(s) but got 0"),
+        ("spring", "5 0.014", f"{NUMBER} 'offset'"),
+        ("colour", "red", "Unknown fix skin/cells keyword: colour"),
+    ],
+)  # fmt: skip
+def test_value(lammps: Any, keyword: str, value: str, message: str) -> None:
+    assert error_of(lammps, {}, {keyword: value}).startswith(message)
+
+
+@pytest.mark.parametrize("seed", ["0", "-7"])
+def test_seed(lammps: Any, seed: str) -> None:
+    message = f"Fix skin/cells seed = {seed}: must be an integer > 0"
+    assert error_of(lammps, {}, {}, seed=seed) == message
+
+
+SETTINGS = [
+    ({"newton": "newton off"}, "Fix skin/cells needs newton on"),
+    (
+        {"boundary": "boundary p p p"},
+        "Fix skin/cells removes cells through the top of the box: it needs boundary p p f",
+    ),
+    ({"boundary": "boundary p p s"}, "Fix skin/cells removes cells through the top of the box"),
+    (
+        {"rebuild": "neigh_modify every 1 delay 5 check yes"},
+        "Fix skin/cells needs neigh_modify every 1 delay 0 check yes, or the nearest membrane "
+        "particle would not be exact; it got every 1 delay 5 check yes",
+    ),
+    ({"rebuild": "neigh_modify every 2 delay 0 check yes"}, "Fix skin/cells needs neigh_modify"),
+    ({"rebuild": "neigh_modify every 1 delay 0 check no"}, "Fix skin/cells needs neigh_modify"),
+    (
+        {"style": "atom_style atomic\natom_modify map yes"},
+        "Fix skin/cells needs an atom style with ",
+    ),
+    (
+        {"special": "special_bonds lj/coul 0.5 1.0 1.0"},
+        "Fix skin/cells needs special_bonds with weights 0.0 of 1-2 neighbors",
+    ),
+    (
+        {"respa": "run_style respa 2 2"},
+        "Fix skin/cells does not work with run_style respa",
+    ),
+    (
+        {"pair": "pair_style zero 2.0 nocoeff", "reach": "comm_modify cutoff 3.4"},
+        "Fix skin/cells needs a communication cutoff of at least 3.48 but has 3.4",
+    ),
+    (
+        {"generation": "set type 2*3 i_divisions_left 0"},
+        "Fix skin/cells: cell 3 is of kind ta and has 0 divisions left",
+    ),
+    (
+        {
+            "ta": "create_atoms 3 single 4 3 7\ncreate_atoms 4 single 6 3 7",
+            "generation": "set type 2*4 i_divisions_left 3",
+        },
+        "Fix skin/cells: cell 4 is of kind exhausted and has 3 divisions left",
+    ),
+    (
+        {"generation": "set type 2*3 i_divisions_left -2"},
+        "Fix skin/cells: cell 2 is of kind stem and has -2 divisions left",
+    ),
+    (
+        {"paired": "set atom 2 i_pair 2"},
+        "Fix skin/cells: cell 2 is paired with 2, which is no other cell",
+    ),
+    (
+        {"paired": "set atom 2 i_pair 77"},
+        "Fix skin/cells: cell 2 is paired with 77, which is no other cell",
+    ),
+    (
+        {
+            "paired": "create_atoms 5 single 9 9 5\ncreate_atoms 5 single 3 9 5\n"
+            "set atom 2 i_pair 4\ngroup gone id 4\ndelete_atoms group gone compress no"
+        },
+        "Fix skin/cells: the cells 2 and 4 of a dividing pair have lost each other on step 0",
+    ),
+    (
+        {"stem": "create_atoms 2 single 3 3 12"},
+        "Fix skin/cells: stem cell 2 has lost the membrane on step 0",
+    ),
+]
+
+
+@pytest.mark.parametrize(("setting", "message"), SETTINGS, ids=lambda value: str(value)[:60])
+def test_setting(lammps: Any, setting: dict[str, str], message: str) -> None:
+    assert error_of(lammps, setting, {}).startswith(message)
+
+
+def test_no_properties(lammps: Any) -> None:
+    message = error_of(lammps, {"state": "", "schedule": "", "generation": ""}, {})
+    assert message.startswith("Fix skin/cells needs the per-atom property i_divisions_left")
+
+
+@pytest.mark.parametrize("missing", PROPERTIES.split())
+def test_property_of_cells(lammps: Any, missing: str) -> None:
+    rest = PROPERTIES.replace(missing, "")
+    setting = {"state": f"fix state all property/atom {rest}", "schedule": "", "generation": ""}
+    assert error_of(lammps, setting, {}) == (
+        f"Fix skin/cells needs the per-atom property {missing}: define fix ID all property/atom "
+        f"{PROPERTIES} first"
+    )
+
+
+def test_event_log_that_cannot_be_written(lammps: Any) -> None:
+    message = error_of(lammps, {}, {"log": "/nowhere/events.csv"})
+    assert message == (
+        "Fix skin/cells: cannot create the event log /nowhere/events.csv: No such file or directory"
+    )

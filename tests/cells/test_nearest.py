@@ -1,0 +1,142 @@
+"""The nearest membrane particle of every cell against a search over all periodic images."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from lammps_skin.configuration import Configuration
+from lammps_skin.engine import Cells, Forces
+from lammps_skin.kinds import Kind
+from lammps_skin.scene import Scene
+from lammps_skin.simulation import Simulation
+
+from tests.cells.conftest import CONTACT, HEIGHT, crowd, grid, membrane_scene, place, wave
+
+TIMESTEP = 0.02
+STEPS = 200
+
+
+def image_distances(particles: Forces, cells: Cells, sides: tuple[float, float]) -> np.ndarray:
+    """Distances (cells, membrane particles), the least over all images in x and y."""
+    membrane = particles.positions[particles.types == Kind.MEMBRANE]
+    delta = cells.positions[:, None] - membrane[None]
+    for axis, side in enumerate(sides):
+        images = delta[..., axis, None] % side - np.array([0.0, side])
+        delta[..., axis] = np.abs(images).min(axis=-1)
+    return np.linalg.norm(delta, axis=-1)
+
+
+def check_nearest(particles: Forces, cells: Cells, sides: tuple[float, float]) -> None:
+    ids = particles.ids[particles.types == Kind.MEMBRANE]
+    distances = image_distances(particles, cells, sides)
+    least = distances.min(axis=1)
+    chosen = distances[np.arange(len(cells.ids)), np.searchsorted(ids, cells.partner)]
+    assert np.isin(cells.partner, ids).all()
+    np.testing.assert_allclose(cells.distance, least, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(chosen, least, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("ranks", "neighbor_skin"), [(1, 0.3), (1, 1.0), (2, 0.6)], ids=["short", "long", "two-ranks"]
+)
+def test_partner_is_the_nearest_at_every_step(ranks: int, neighbor_skin: float) -> None:
+    """Crowded cells are dragged over a fold, through the periodic edges and from rank to rank."""
+    scene = membrane_scene(
+        **{"numerics.timestep": TIMESTEP, "numerics.neighbor_skin": neighbor_skin}
+    )
+    sides = scene.box_sides[:2]
+    partners: list[dict[int, int]] = []
+    moved: list[float] = []
+
+    def check(_time: float, simulation: Simulation) -> None:
+        particles, cells = simulation.forces(), simulation.cells()
+        check_nearest(particles, cells, sides)
+        partners.append(dict(zip(cells.ids.tolist(), cells.partner.tolist(), strict=True)))
+        moved.append(displacement(particles, crowded, sides))
+
+    crowded = crowd(scene, across=6, amplitude=1.5, above=1.9)
+    with Simulation(scene, configuration=crowded, ranks=ranks) as simulation:
+        simulation.command("fix drag cells addforce 2.0 -1.0 0.0")
+        simulation.run(until=STEPS * TIMESTEP, progress=check, every=TIMESTEP)
+
+    assert len(partners) == STEPS
+    assert switches(partners) > 300
+    assert moved[-1] > scene.spacing
+
+
+def switches(partners: list[dict[int, int]]) -> int:
+    """How often a cell's nearest particle is another one than a step before."""
+    return sum(
+        after[cell] != before[cell]
+        for before, after in pairwise(partners)
+        for cell in after.keys() & before
+    )
+
+
+def displacement(particles: Forces, start: Configuration, sides: tuple[float, float]) -> float:
+    """How far the membrane particle that moved furthest is from its first place."""
+    membrane = particles.types == Kind.MEMBRANE
+    delta = particles.positions[membrane] - start.positions[start.kinds == Kind.MEMBRANE]
+    delta[:, :2] -= np.multiply(sides, np.round(delta[:, :2] / sides))
+    return float(np.linalg.norm(delta, axis=1).max())
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_partner_is_the_nearest_in_random_places(ranks: int) -> None:
+    """Many cells at random around a deep fold, some of them below the membrane's top."""
+    scene = membrane_scene(**{"cells.adhesion_range": 2.0})
+    random = np.random.default_rng(11)
+    flat = grid(scene, 22, jitter=0.4)
+    above = random.uniform(0.3, 1.4, len(flat)) * CONTACT
+    heights = HEIGHT + wave(scene, flat, 3.0) + above
+    cells = [(Kind.ND, (*xy, z), 0) for xy, z in zip(flat, heights, strict=True)]
+    configuration = place(scene, cells, amplitude=3.0)
+
+    with Simulation(scene, configuration=configuration, ranks=ranks) as simulation:
+        particles, found = simulation.forces(), simulation.cells()
+        check_nearest(particles, found, scene.box_sides[:2])
+    assert len(found.ids) == 484
+    vertical = np.abs(found.positions[:, :2] - particles.positions[found.partner - 1, :2])
+    across_edge = (vertical > np.divide(scene.box_sides[:2], 2)).any(axis=1)
+    assert across_edge.sum() > 10
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_partner_jumps_between_the_walls_of_a_trench(ranks: int) -> None:
+    """Cells pass the middle of a valley: particles far from each other compete for them.
+
+    Cells and membrane move in opposite directions, so that between two neighbor builds
+    distances change by as much as they can.
+    """
+    scene = membrane_scene(**{"numerics.neighbor_skin": 1.0, "numerics.timestep": TIMESTEP})
+    jumps: list[np.ndarray] = []
+    before = np.empty((0, 3))
+
+    def check(_time: float, simulation: Simulation) -> None:
+        nonlocal before
+        particles, cells = simulation.forces(), simulation.cells()
+        check_nearest(particles, cells, scene.box_sides[:2])
+        partners = particles.positions[cells.partner - 1]
+        if len(before):
+            jumps.append(np.abs(partners - before)[:, 0])
+        before = partners
+
+    with Simulation(scene, configuration=trench(scene), ranks=ranks) as simulation:
+        simulation.command("group sheet type membrane")
+        simulation.command("fix sheet sheet setforce -1.0 0.0 0.0")
+        simulation.command("fix procession cells setforce 1.0 0.0 0.0")
+        simulation.run(until=60 * TIMESTEP, progress=check, every=TIMESTEP)
+    assert (np.max(jumps, axis=0) > 2.0).sum() >= 10
+
+
+def trench(scene: Scene) -> Configuration:
+    """A membrane with a steep valley, and cells that are nearer to its walls than to its floor."""
+    depth, count = 4.0, 12
+    lx, ly, _ = scene.box_sides
+    x = lx / 2 - np.linspace(0.4, 1.4, count)
+    y = (np.arange(count) + 0.3) * ly / count
+    z = HEIGHT - depth + np.linspace(2.2, 3.5, count)
+    configuration = place(scene, [(Kind.ND, spot, 0) for spot in zip(x, y, z, strict=True)])
+    sheet = configuration.positions[:-count]
+    sheet[:, 2] += depth * np.cos(2 * np.pi * sheet[:, 0] / lx)
+    return configuration

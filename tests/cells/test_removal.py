@@ -1,0 +1,327 @@
+"""Removal of detached TA cells, what it does to pairs, and the balance of all counts."""
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lammps_skin.configuration import Configuration
+from lammps_skin.engine import Cells
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.scene import Scene
+from lammps_skin.simulation import Simulation
+from lammps_skin.terms import division_spring
+
+from tests.cells.conftest import (
+    CONTACT,
+    FREEZE,
+    HEIGHT,
+    TIME_DIGITS,
+    Event,
+    busy_scene,
+    crowd,
+    frames,
+    membrane_scene,
+    of_kind,
+    place,
+    read_events,
+    thermo,
+)
+
+# ---- who leaves
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("lam", [1.2, 1.4])
+def test_ta_cells_beyond_the_threshold_leave(lam: float, ranks: int, tmp_path: Path) -> None:
+    """Cells of all kinds a little nearer and a little further than the threshold."""
+    scene = membrane_scene(
+        **{"cells.adhesion_range": lam, "numerics.event_interval": 0.0, "numerics.timestep": 0.01}
+    )
+    threshold, little = lam * CONTACT, 1e-7
+    distances = [threshold - little, threshold + little, 0.9 * CONTACT, 1.5 * CONTACT]
+    left = {Kind.STEM: 10, Kind.TA: 2, Kind.EXHAUSTED: 0, Kind.ND: 0}
+    spots = iter(spots_above_particles(scene, 4))
+    cells = [
+        (kind, (x, y, HEIGHT + distance), left[kind]) for kind in CELLS for distance in distances
+        for x, y in [next(spots)]
+    ]  # fmt: skip
+    configuration = place(scene, cells)
+    configuration.next_division[configuration.is_cell] = 1e9
+    staying = [
+        672 + n
+        for n, (kind, place_, _) in enumerate(cells, 1)
+        if kind in (Kind.STEM, Kind.ND) or place_[2] - HEIGHT < threshold
+    ]
+    with Simulation(scene, tmp_path, configuration, ranks) as simulation:
+        simulation.command(FREEZE)
+        assert len(simulation.cells().ids) == 16
+        simulation.run(until=0.05)
+        assert simulation.cells().ids.tolist() == staying
+    deaths = read_events(tmp_path)
+    assert sorted(e.id for e in deaths) == sorted(set(range(673, 689)) - set(staying))
+    assert {(e.kind, e.cause, e.time) for e in deaths} == {("death", "detached", 0.0)}
+    for event in deaths:
+        kind, position, m = cells[event.id - 673]
+        assert (event.type, event.divisions_left) == (kind, m)
+        assert event.x == pytest.approx(position, abs=1e-8)
+
+
+def spots_above_particles(scene: Scene, across: int) -> np.ndarray:
+    """Places (across^2, 2) of membrane particles, some of them on the periodic edges."""
+    nx, ny = scene.membrane.lattice
+    columns, rows = np.indices((across, across)).reshape(2, -1)
+    height = scene.spacing * np.sqrt(3) / 2
+    # rows of even number: these are not shifted
+    return np.column_stack(
+        [columns * (nx // across) * scene.spacing, rows * (ny // across // 2 * 2) * height]
+    )
+
+
+def test_the_distance_is_taken_through_the_edge(tmp_path: Path) -> None:
+    """Only a membrane particle beyond the periodic edges holds the cell in a corner."""
+    scene = membrane_scene(**{"numerics.event_interval": 0.0})
+    corner = (scene.box_sides[0] - 0.02, scene.box_sides[1] - 0.02, HEIGHT + 1.19 * CONTACT)
+    configuration = place(scene, [(Kind.EXHAUSTED, corner, 0)])
+    inside_the_box = np.linalg.norm(configuration.positions[:-1] - corner, axis=1).min()
+    assert inside_the_box > 1.2 * CONTACT
+    with Simulation(scene, tmp_path, configuration) as simulation:
+        simulation.command(FREEZE)
+        simulation.run(until=0.1)
+        assert len(simulation.cells().ids) == 1
+
+
+# ---- pairs
+
+
+def pair_of(scene: Scene, kinds: tuple[Kind, Kind], heights: tuple[float, float]) -> Configuration:
+    """A pair half grown across the borders of ranks, and a third cell beside it."""
+    x, y = 5.5, 5.6
+    left = {Kind.STEM: 10, Kind.TA: 2, Kind.EXHAUSTED: 0}
+    cells = [
+        (kinds[0], (x, y, HEIGHT + heights[0]), left[kinds[0]]),
+        (kinds[1], (x + 1.0, y + 1.0, HEIGHT + heights[1]), left[kinds[1]]),
+        (Kind.ND, (x - 2.5, y, HEIGHT + CONTACT), 0),
+    ]
+    configuration = place(scene, cells)
+    first, second = 673, 674
+    configuration.pair[[-3, -2]] = second, first
+    configuration.parent[-2] = first
+    configuration.pair_start[[-3, -2]] = -9.9
+    configuration.birth_time[-2] = -9.9
+    configuration.next_division[[-3, -2]] = 3.0 * (np.array(kinds) != Kind.EXHAUSTED) - 1
+    return configuration
+
+
+FAR, NEAR = 1.3 * CONTACT, 1.05 * CONTACT
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize(
+    ("kinds", "heights"),
+    [
+        ((Kind.TA, Kind.TA), (FAR, NEAR)),
+        ((Kind.TA, Kind.TA), (NEAR, FAR)),
+        ((Kind.TA, Kind.TA), (FAR, FAR)),
+        ((Kind.STEM, Kind.TA), (NEAR, FAR)),
+        ((Kind.EXHAUSTED, Kind.EXHAUSTED), (NEAR, FAR)),
+    ],
+    ids=["mother", "daughter", "both", "daughter-of-stem", "exhausted"],
+)
+def test_death_of_one_ends_the_pair(
+    kinds: tuple[Kind, Kind], heights: tuple[float, float], ranks: int, tmp_path: Path
+) -> None:
+    scene = membrane_scene(**{"numerics.event_interval": 0.1, "cells.cycle_delay": 1e6})
+    dead = [673 + n for n, height in enumerate(heights) if height == FAR]
+    survivors = sorted({673, 674} - set(dead))
+    with Simulation(scene, tmp_path, pair_of(scene, kinds, heights), ranks) as simulation:
+        simulation.command(FREEZE)
+        assert simulation.cells().pair.tolist() == [674, 673, 0]
+        assert simulation.energies()["division"] > 0
+        simulation.run(until=0.1)
+        cells, energies = simulation.cells(), simulation.energies()
+        assert cells.ids.tolist() == [*survivors, 675]
+        assert not cells.pair.any()
+        assert energies["division"] == 0
+        simulation.run(until=2.5)
+
+    events = read_events(tmp_path)
+    log = [(e.kind, e.id, e.parent, e.cause) for e in events]
+    parent = {673: 0, 674: 673}
+    deaths = [("death", cell, parent[cell], "detached") for cell in dead]
+    end = ("division_end", 674, 673, "partner_removed")
+    assert sorted(log[: len(dead) + 1]) == [*deaths, end]
+    assert {event.time for event in events[: len(dead) + 1]} == {0.0}
+    # the survivor divides when its time has come, at t = 2
+    dividing = [cell for cell in survivors if kinds[cell - 673] != Kind.EXHAUSTED]
+    born = [(e.time, e.kind, e.parent) for e in events[len(dead) + 1 :]]
+    assert born == [(pytest.approx(2.0, rel=TIME_DIGITS), "birth", cell) for cell in dividing]
+
+
+# ---- when
+
+
+def rise(simulation: Simulation, cell: int) -> None:
+    """Let one cell go up at unit speed and hold all others."""
+    simulation.command(FREEZE)
+    simulation.command(f"group rising id {cell}")
+    simulation.command("fix rise rising setforce 0 0 1")
+
+
+@pytest.mark.parametrize(("crossing", "found", "leaving"), [(0.11, 0.12, 0.2), (0.19, 0.2, 0.4)])
+@pytest.mark.parametrize("other_division", [0.15, 1e6])
+def test_removal_does_not_wait_for_others(
+    other_division: float, crossing: float, found: float, leaving: float, tmp_path: Path
+) -> None:
+    """A cell leaves when it would leave if no other cell had an event at that time."""
+    scene = membrane_scene(**{"numerics.timestep": 0.02, "numerics.event_interval": 0.2})
+    x, y, _ = place(scene, []).positions[0]
+    above = 1.2 * CONTACT - crossing
+    cells = [(Kind.EXHAUSTED, (x, y, HEIGHT + above), 0), (Kind.STEM, (6, 6, HEIGHT + CONTACT), 10)]
+    configuration = place(scene, cells)
+    configuration.next_division[-1] = other_division
+    left: list[float] = []
+
+    def watch(time: float, simulation: Simulation) -> None:
+        if 673 not in simulation.cells().ids:
+            left.append(time)
+
+    with Simulation(scene, tmp_path, configuration) as simulation:
+        rise(simulation, 673)
+        simulation.run(until=0.6, progress=watch, every=0.02)
+    assert left[0] == pytest.approx(leaving)
+    assert [e.time for e in of_kind(read_events(tmp_path), "death")] == [pytest.approx(found)]
+
+
+@pytest.mark.parametrize("dying", [673, 674])
+@pytest.mark.parametrize("grown", [0.05, 0.15])
+def test_what_comes_first_ends_the_pair(grown: float, dying: int, tmp_path: Path) -> None:
+    """The pair grows up and one of it detaches between two steps that handle events."""
+    scene = membrane_scene(**{"numerics.timestep": 0.02, "numerics.event_interval": 0.2})
+    _, start, rate, end = division_spring(scene)
+    crossing, found = 0.09, 0.1
+    heights = [1.2 * CONTACT - crossing if cell == dying else NEAR for cell in (673, 674)]
+    row = place(scene, []).positions[:6:5]
+    cells = [(Kind.TA, (x, y, HEIGHT + z), 1) for (x, y, _), z in zip(row, heights, strict=True)]
+    configuration = place(scene, cells)
+    configuration.pair[-2:] = 674, 673
+    configuration.pair_start[-2:] = grown - (end - start) / rate
+    configuration.next_division[-2:] = 1e6
+    with Simulation(scene, tmp_path, configuration) as simulation:
+        rise(simulation, dying)
+        simulation.run(until=0.3)
+    death, ended = (found, "death", dying), min((grown, "grown"), (found, "partner_removed"))
+    log = [(e.time, e.kind, e.id) for e in read_events(tmp_path)]
+    causes = [e.cause for e in of_kind(read_events(tmp_path), "division_end")]
+    assert causes == [ended[1]]
+    expected = sorted([death, (ended[0], "division_end", 674)])
+    assert log == [(pytest.approx(time), kind, id_) for time, kind, id_ in expected]
+
+
+# ---- counts
+
+MEMBRANE, FOUNDERS = 24 * 28, 25
+FIRST_BORN = MEMBRANE + FOUNDERS + 1
+
+
+@pytest.fixture(scope="module", params=[1, 2], ids=["one-rank", "two-ranks"])
+def crowded_run(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, Cells]:
+    """Directory and last cells of a run with many births and deaths."""
+    directory = tmp_path_factory.mktemp("crowded")
+    scene = busy_scene(**{"output.dump_interval": 1.0, "output.thermo_interval": 0.2})
+    configuration = crowd(scene, across=5, amplitude=0.5, above=2.2)
+    with Simulation(scene, directory, configuration, request.param) as simulation:
+        simulation.run(until=30.0)
+        return directory, simulation.cells()
+
+
+def test_all_counts_agree_at_all_times(crowded_run: tuple[Path, Cells]) -> None:
+    directory, _ = crowded_run
+    events = read_events(directory)
+    rows = {row["Time"]: row for row in thermo(directory)}
+    total = {kind: len(of_kind(events, kind)) for kind in ("birth", "death")}
+    assert total["birth"] > 60
+    assert total["death"] > 40
+    assert len(rows) == 151
+
+    for time, row in rows.items():
+        births, deaths = row["f_cells[9]"], row["f_cells[10]"]
+        alive = sum(row[f"f_cells[{n}]"] for n in (4, 5, 6, 7))
+        assert FOUNDERS + births - deaths == alive == row["Atoms"] - MEMBRANE
+        assert births == sum(e.time <= time for e in of_kind(events, "birth"))
+        assert deaths == len(gone(events, time)) or deaths == len(gone(events, time, leaving=True))
+    assert len({(row["f_cells[4]"], row["f_cells[7]"]) for row in rows.values()}) == 1
+
+
+def test_dump_holds_the_living(crowded_run: tuple[Path, Cells]) -> None:
+    directory, last = crowded_run
+    events = read_events(directory)
+    rows = {row["Time"]: row for row in thermo(directory)}
+    dumped = frames(directory)
+    assert len(dumped) == 31
+    for time, ids, types, _ in dumped:
+        ever = set(range(1, FIRST_BORN)) | {
+            e.id for e in of_kind(events, "birth") if e.time <= time
+        }
+        assert ever - gone(events, time, leaving=True) <= set(ids) <= ever - gone(events, time)
+        assert ids == sorted(ids)
+        assert len(ids) == rows[time]["Atoms"]
+        numbers = Counter(types)
+        for type_, column in enumerate((4, 5, 6, 7), 2):
+            assert numbers[type_] == rows[time][f"f_cells[{column}]"]
+    assert dumped[-1][1][MEMBRANE:] == last.ids.tolist()
+
+
+def gone(events: list[Event], time: float, leaving: bool = False) -> set[int]:
+    """Cells removed before a time, or also those found detached at this very moment."""
+    deaths = of_kind(events, "death")
+    return {e.id for e in deaths if e.time < time or (leaving and e.time == time)}
+
+
+def test_log_is_in_the_order_of_times(crowded_run: tuple[Path, Cells]) -> None:
+    times = [event.time for event in read_events(crowded_run[0])]
+    assert times == sorted(times)
+
+
+def test_ids_are_never_used_twice(crowded_run: tuple[Path, Cells]) -> None:
+    directory, last = crowded_run
+    events = read_events(directory)
+    born = [e.id for e in of_kind(events, "birth")]
+    dead = [e.id for e in of_kind(events, "death")]
+    assert sorted(born) == list(range(FIRST_BORN, FIRST_BORN + len(born)))
+    assert len(set(dead)) == len(dead)
+    ever = set(range(MEMBRANE + 1, FIRST_BORN)) | set(born)
+    assert set(last.ids) == ever - set(dead)
+
+
+def test_pairs_begin_and_end_once(crowded_run: tuple[Path, Cells]) -> None:
+    directory, last = crowded_run
+    events = read_events(directory)
+    ended = [e.id for e in of_kind(events, "division_end")]
+    assert len(set(ended)) == len(ended)
+    growing = {e.id for e in of_kind(events, "birth")} - set(ended)
+    in_pairs = dict(zip(last.ids.tolist(), last.pair.tolist(), strict=True))
+    assert growing == {max(cell, other) for cell, other in in_pairs.items() if other}
+    assert all(in_pairs[other] == cell for cell, other in in_pairs.items() if other)
+    assert {e.cause for e in of_kind(events, "division_end")} == {"grown", "partner_removed"}
+
+
+def test_the_id_of_the_dead_is_not_given_again(tmp_path: Path) -> None:
+    """The highest id dies first, then a stem cell divides, in a run of its own."""
+    scene = membrane_scene(**{"numerics.event_interval": 0.0})
+    x, y = 6.0, 7 * np.sqrt(3) / 2
+    cells = [
+        (Kind.STEM, (x, y, HEIGHT + CONTACT), 10),
+        (Kind.EXHAUSTED, (x - 5, y, HEIGHT + FAR), 0),
+    ]
+    configuration = place(scene, cells)
+    configuration.next_division[-2] = 1.0
+    with Simulation(scene, tmp_path, configuration) as simulation:
+        simulation.run(until=0.5)
+        assert simulation.cells().ids.tolist() == [673]
+        simulation.command("run 0")
+        simulation.run(until=1.5)
+        assert simulation.cells().ids.tolist() == [673, 675]
+    assert [(e.kind, e.id) for e in read_events(tmp_path)] == [("death", 674), ("birth", 675)]

@@ -1,0 +1,250 @@
+"""Every command of ``skin``, really run on tiny scenes."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lammps_skin.configuration import Configuration
+from lammps_skin.kinds import Kind
+from lammps_skin.parameters import SETS
+from lammps_skin.scene import Scene
+from lammps_skin.scenes import BUILT_IN
+
+SMALLEST = ("--set", "membrane.lattice=[12,14]")
+COMMANDS = ("scenes", "check", "build", "run", "evaluate")
+SKIN = [sys.executable, "-c", "from lammps_skin.cli import main; main()"]
+
+
+def row(text: str, name: str) -> str:
+    """What stands after a name in a table."""
+    return next(line for line in text.splitlines() if line.startswith(name))[len(name) :].strip()
+
+
+def energies(lines: list[str]) -> dict[str, float]:
+    """Energies in the output of ``skin evaluate``."""
+    words = (line.split() for line in lines if line.startswith("# E "))
+    return {name: float(value) for _, _, name, value in words}
+
+
+# ---- help and lists
+
+
+def test_skin_alone_prints_the_help(skin):
+    answer = skin()
+    assert answer.code == 0
+    assert all(re.search(rf"^  {command}\b", answer.out, re.M) for command in COMMANDS)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_of_each_command(skin, command):
+    answer = skin(command, "--help")
+    assert answer.code == 0
+    assert answer.out.startswith(f"Usage: skin {command} ")
+
+
+def test_scenes_lists_all_scenes_and_sets(skin):
+    lines = skin("scenes").out.splitlines()
+    first_words = [line.split()[0] for line in lines if line.strip()]
+    assert set(BUILT_IN) | set(SETS) <= set(first_words)
+    demo = next(line for line in lines if line.split()[:1] == ["demo"])
+    assert demo.split()[-6:] == ["40", "x", "46", "6", "0", "320"]
+
+
+# ---- check
+
+
+def test_check_counts_what_build_makes(skin):
+    text = skin("check", "one-stem", *SMALLEST).out
+    scene = Scene.load("one-stem").replace(**{"membrane.lattice": [12, 14]})
+    configuration = Configuration.from_scene(scene)
+    for kind in (Kind.DERMAL, Kind.MEMBRANE, Kind.STEM):
+        assert int(row(text, f"{kind.label} particles")) == (configuration.kinds == kind).sum()
+    assert int(row(text, "links")) == len(configuration.links)
+    assert row(text, "steps") == "20,000"
+
+
+def test_check_says_what_is_off_and_why(skin):
+    text = skin(
+        "check", "no-dermis", "--set", "cells.stem=0", "--set", "cells.nd=2",
+        "--set", "membrane.bending_stiffness=0",
+    ).out  # fmt: skip
+    assert row(text, "dermis ").split() == ["off", "by", "dermis.present"]
+    assert row(text, "wall").split() == ["off", "no", "dermis"]
+    assert row(text, "adhesion").split() == ["off", "no", "stem", "cells"]
+    assert row(text, "bend").split() == ["off", "its", "K", "is", "0"]
+    assert row(text, "binding").split() == ["on", "K", "=", "25"]
+
+
+def test_check_is_quick_for_the_largest_scene(skin):
+    started = time.perf_counter()
+    assert skin("check", "paper-nd-d").code == 0
+    assert time.perf_counter() - started < 5
+
+
+def test_check_measures(skin):
+    text = skin("check", "bare-membrane", *SMALLEST, "--measure").out
+    assert "ms expected" in text
+    assert 1e-3 < float(re.search(r"([\d.e-]+) ms measured", text)[1]) < 100
+
+
+def test_cost_grows_with_what_it_is_made_of():
+    from lammps_skin.cost import estimate
+
+    scene = Scene.load("quarter-ring")
+    whole = estimate(scene)
+    assert estimate(scene.replace(end_time=2000.0)).steps == 2 * whole.steps
+    assert estimate(scene.replace(**{"dermis.present": False})).first_step < whole.first_step
+    rare = estimate(scene.replace(**{"numerics.event_interval": 2.0}))
+    assert rare.seconds < 0.9 * whole.seconds and rare.first_step < whole.first_step
+    small = estimate(Scene.load("bare-membrane"))
+    large = estimate(Scene.load("bare-membrane").replace(**{"membrane.lattice": [80, 92]}))
+    assert large.first_step == pytest.approx(4 * small.first_step, rel=1e-12)
+    assert large.memory > small.memory
+
+
+# ---- build
+
+
+def test_build_makes_what_lmp_runs(skin, tmp_path):
+    answer = skin("build", "one-stem", *SMALLEST, "-o", "built", "--set", "end_time=0.1")
+    assert answer.code == 0
+    assert "168 membrane, 1 stem" in answer.out and "built in built" in answer.out
+    lmp = Path(sys.executable).parent / "lmp"
+    ended = subprocess.run([lmp, "-in", "skin.in"], cwd="built", capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stdout[-500:]
+    assert (tmp_path / "built" / "skin.dump").stat().st_size > 0
+
+
+def test_set_and_parameters_reach_the_scene(skin):
+    skin("build", "two-cells", "-o", "built", "--parameters", "printed", "--set", "cells.seed=3",
+         "--set", "cells.division_spring=length", "--set", "description=a = 'b'")  # fmt: skip
+    scene = Scene.load("built/scene.toml")
+    assert (scene.parameters, scene.cells.seed, scene.description) == ("printed", 3, "a = 'b'")
+    assert (scene.cells.division_spring, scene.cells.adhesion_range) == ("length", 1.4)
+
+
+# ---- run
+
+
+LIVELY = (*SMALLEST, "--set", "cells.cycle_delay=1.0", "--set", "cells.cycle_rate=0.5",
+          "--set", "cells.first_phase=1.0", "--set", "cells.division_rate=1.0")  # fmt: skip
+
+
+def test_run_tells_what_happened_and_where_it_is(skin, tmp_path):
+    answer = skin("run", "one-stem", *LIVELY, "--until", "20")
+    assert answer.code == 0, answer.err
+    directory = tmp_path / "runs" / "one-stem"
+    events = [line.split(",")[1] for line in (directory / "events.csv").read_text().splitlines()]
+    births, removals = events.count("birth"), events.count("death")
+    assert births > 3 and removals > 0
+    last_frame = (directory / "skin.dump").read_text().split("ITEM: TIMESTEP")[-1]
+    types = [int(line.split()[1]) for line in last_frame.split("ITEM: ATOMS")[1].splitlines()[1:]]
+    names = {3: "stem", 4: "TA", 5: "exhausted"}
+    cells = ", ".join(f"{types.count(t)} {name}" for t, name in names.items() if t in types)
+    assert f"  {cells}; {births} births, {removals} removals\n" in answer.out
+    assert "one-stem: reached t = 20," in answer.out
+    assert "in runs/one-stem:" in answer.out
+    for name in ("events.csv", "skin.dump", "log.lammps"):
+        assert re.search(rf"^  {name} ", answer.out, re.M)
+
+
+def test_run_names_the_newest_restart_file(skin, tmp_path):
+    changes = ("--set", "output.checkpoint_interval=0.2", "--until", "0.5")
+    answer = skin("run", "bare-membrane", *SMALLEST, *changes)
+    newest = re.search(r"-var restart (skin\.\d\.restart)", answer.out)[1]
+    files = (tmp_path / "runs" / "bare-membrane").glob("skin.*.restart")
+    assert newest == max(files, key=lambda path: path.stat().st_mtime).name
+
+
+def test_a_built_directory_runs_as_it_is(skin, tmp_path):
+    short = (*SMALLEST, "--set", "output.dump_interval=0.1")
+    skin("build", "one-stem", *short, "-o", "built")
+    assert skin("run", "built", "--until", "0.3").code == 0
+    assert skin("run", "one-stem", *short, "--until", "0.3", "-o", "direct").code == 0
+    assert Path("built/skin.dump").read_bytes() == Path("direct/skin.dump").read_bytes()
+    assert Scene.load("built/scene.toml").end_time == 200
+
+
+def test_force_replaces_results(skin, tmp_path):
+    checkpoints = ("--set", "output.checkpoint_interval=0.1")
+    assert skin("run", "two-cells", *checkpoints, "--until", "0.3", "-o", "x").code == 0
+    before = {path.name for path in Path("x").iterdir()}
+    assert {"skin.1.restart", "events.csv"} <= before
+    answer = skin("run", "bare-membrane", *SMALLEST, "--until", "0.1", "-o", "x", "--force")
+    assert answer.code == 0
+    after = {path.name for path in Path("x").iterdir()}
+    assert not {"skin.1.restart", "skin.2.restart", "events.csv"} & after
+
+
+def test_run_on_ranks_and_threads(skin):
+    skin("run", "bare-membrane", "--until", "0.1", "--ranks", "2", "--threads", "2", "-o", "x")
+    log = Path("x/log.lammps").read_text()
+    assert "1 by 2 by 1 MPI processor grid" in log or "2 by 1 by 1 MPI processor grid" in log
+    assert "on 4 procs" in log
+
+
+def test_interrupted_run_ends_cleanly(tmp_path):
+    command = [*SKIN, "run", "two-cells", "-o", "x", "--until", "100000"]
+    process = subprocess.Popen(
+        command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    deadline = time.monotonic() + 60
+    while not (tmp_path / "x" / "skin.dump").exists() and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert err == ""
+    assert "two-cells: interrupted at t = " in out and "skin.dump" in out
+    assert (tmp_path / "x" / "events.csv").read_text().startswith("time,kind,id")
+
+
+def test_a_run_that_blows_up_says_when_and_names_its_files(skin):
+    answer = skin("run", "bare-membrane", *SMALLEST, "--set", "membrane.bending_stiffness=1e9",
+                  "--until", "1", "-o", "x")  # fmt: skip
+    assert answer.code == 2
+    assert len(answer.err.splitlines()) == 1
+    assert "(after t = 0, numerics.timestep = 0.01" in answer.err
+    assert "bare-membrane: stopped after t = 0" in answer.out and "log.lammps" in answer.out
+
+
+# ---- evaluate
+
+
+def test_evaluate_writes_a_file_or_stdout(skin, text_file, tmp_path):
+    (tmp_path / "small.txt").write_text("\n".join(text_file))
+    answer = skin("evaluate", "small.txt")
+    assert answer.code == 0 and answer.err == ""
+    assert skin("evaluate", "small.txt", "-o", "forces.txt").out == ""
+    assert (tmp_path / "forces.txt").read_text() == answer.out
+    rows = [line.split() for line in answer.out.splitlines() if not line.startswith("#")]
+    assert [words[1] for words in rows] == ["M"] * 168 + ["S", "T", "T"]
+    total = np.sum([[float(word) for word in words[2:5]] for words in rows], axis=0)
+    assert np.allclose(total, 0, atol=1e-9)
+
+
+def test_evaluate_takes_parameters_and_settings(skin, text_file, tmp_path):
+    (tmp_path / "small.txt").write_text("\n".join(text_file))
+    plain = energies(skin("evaluate", "small.txt").out.splitlines())
+    assert plain["ad"] > 0 and plain["div"] > 0
+    double = ("--set", "cells.adhesion_stiffness=50")
+    changed = energies(skin("evaluate", "small.txt", *double).out.splitlines())
+    assert changed["ad"] == pytest.approx(2 * plain["ad"], rel=1e-12)
+    weak = energies(skin("evaluate", "small.txt", "--parameters", "weak5").out.splitlines())
+    assert weak["ad"] < 0.25 * plain["ad"] and weak["div"] == plain["div"]
+
+
+def test_the_entry_point_is_installed():
+    skin = Path(sys.executable).parent / "skin"
+    ended = subprocess.run([skin, "frob"], capture_output=True, text=True, env=os.environ)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert ended.stderr == "error: No such command 'frob'.\n"

@@ -1,0 +1,372 @@
+"""The documents say what is so: links, commands, keys, scenes, keywords, variables, modules."""
+
+import ast
+import inspect
+import json
+import re
+import shlex
+import tomllib
+from collections.abc import Iterator
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from lammps_skin import parameters, potentials, terms
+from lammps_skin.build import SCRIPTS, build
+from lammps_skin.cli import app
+from lammps_skin.cli.options import scene_from
+from lammps_skin.packing import FORCE_TOLERANCE, dermal_count
+from lammps_skin.scene import Scene
+from lammps_skin.scenes import BUILT_IN
+from pydantic import BaseModel
+from typer.main import get_command
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "pyscripts" / "lammps_skin"
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+BY_NAME = [path.name for path in PAGES]
+SUFFIXES = {".in", ".toml", ".data", ".table"}  # of what `skin build` writes
+
+
+@cache
+def text(name: str) -> str:
+    """Text of a page, or of a file by its path in the tree."""
+    path = ROOT / name if "/" in name or name == "README.md" else ROOT / "docs" / name
+    return path.read_text("utf-8")
+
+
+def section(page: str, title: str) -> str:
+    """What stands below a heading, up to the next one that is not deeper."""
+    found = re.search(rf"^(#+) {re.escape(title)}\n", text(page), re.MULTILINE)
+    assert found, f"{page} has no heading {title!r}"
+    rest = text(page)[found.end() :]
+    return re.split(rf"^#{{1,{len(found[1])}}} ", rest, maxsplit=1, flags=re.MULTILINE)[0]
+
+
+def rows(markdown: str) -> list[list[str]]:
+    """Cells of all table rows, headings left out."""
+    lines = markdown.splitlines()
+    heads = {n for n, line in enumerate(lines[1:]) if re.fullmatch(r"\|( --- \|)+", line)}
+    return [
+        [cell.strip() for cell in line.strip("|").split(" | ")]
+        for n, line in enumerate(lines)
+        if line.startswith("|") and n not in heads and n - 1 not in heads
+    ]
+
+
+def codes(markdown: str) -> list[str]:
+    """What stands between backticks, fences left out."""
+    return re.findall(r"`([^`\n]+)`", re.sub(r"```.*?```", "", markdown, flags=re.DOTALL))
+
+
+def fences(name: str, language: str = "") -> list[str]:
+    """Fenced blocks of a page in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", text(name), re.MULTILINE | re.DOTALL)
+
+
+def commands(start: str) -> Iterator[tuple[str, list[str]]]:
+    """Fenced lines of all pages that begin with a command: page, words."""
+    for name in BY_NAME:
+        for block in re.findall(r"^```\w*\n(.*?)^```$", text(name), re.MULTILINE | re.DOTALL):
+            for line in block.splitlines():
+                words = shlex.split(line, comments=True)
+                if start in words[:4]:
+                    yield name, words[words.index(start) + 1 :]
+
+
+# ---- links
+
+
+def slugs(page: str) -> set[str]:
+    """Anchors of the headings of a page."""
+    titles = re.findall(r"^#+ (.+)$", text(page), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=BY_NAME)
+def test_links_resolve(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text("utf-8")):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        linked = (page.parent / path).resolve() if path else page
+        assert linked.exists(), target
+        if anchor:
+            assert anchor in slugs(str(linked.relative_to(ROOT))), target
+
+
+@pytest.mark.parametrize("page", BY_NAME)
+def test_named_files_are_there(page: str) -> None:
+    rooms = ("plugins", "pyscripts", "tests", "lammps_inputs", "docs", "benchmarks")
+    for name in codes(text(page)):
+        if name.startswith(tuple(f"{room}/" for room in rooms)):
+            assert (ROOT / name).exists(), name
+
+
+# ---- commands
+
+
+def test_skin_commands_parse() -> None:
+    """Also the scenes, keys and values that they name."""
+    group = get_command(app)
+    found = list(commands("skin"))
+    assert {words[0] for _, words in found} >= {"check", "build", "run"}
+    for page, (name, *words) in found:
+        context = group.commands[name].make_context(name, list(words))
+        source = context.params.get("source") or context.params.get("scene")
+        if source in BUILT_IN:
+            settings = context.params["parameters"], context.params["settings"]
+            scene_from(source, *settings)
+        else:
+            assert source is None or source.endswith(".toml"), f"{page}: {source}"
+
+
+def test_lmp_commands_name_variables() -> None:
+    given = {"dir", "restart", *index_variables()}
+    for page, words in commands("lmp"):
+        for flag, name in pairwise(words):
+            assert flag != "-var" or name in given, f"{page}: {name}"
+
+
+def test_toml_examples_are_scenes() -> None:
+    blocks = [block for name in BY_NAME for block in fences(name, "toml")]
+    assert blocks
+    for block in blocks:
+        Scene.from_dict(tomllib.loads(block))
+
+
+# ---- the scene
+
+
+def fields(model: type[BaseModel], prefix: str = "") -> dict[str, dict[str, Any]]:
+    """JSON schema of every key of a scene."""
+    schema = model.model_json_schema()["properties"]
+    found = {}
+    for name, field in model.model_fields.items():
+        if inspect.isclass(field.annotation) and issubclass(field.annotation, BaseModel):
+            found |= fields(field.annotation, f"{name}.")
+        else:
+            found[prefix + name] = schema[name]
+    return found
+
+
+def allowed(schema: dict[str, Any]) -> str:
+    """What a schema allows, in the words of the page."""
+    if "anyOf" in schema:
+        return allowed(schema["anyOf"][0])
+    if "enum" in schema:
+        return ", ".join(f'`"{value}"`' for value in schema["enum"])
+    if schema["type"] == "array":
+        return f"{schema['maxItems']} of {allowed(schema['prefixItems'][0])}"
+    if schema["type"] in ("string", "boolean"):
+        return {"string": "text", "boolean": "`true`, `false`"}[schema["type"]]
+    signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
+    limits = [f"{sign} {schema[key]}" for key, sign in signs.items() if key in schema]
+    whole = ["integer"] if schema["type"] == "integer" else []
+    return ", ".join(whole + [limit for limit in limits if limit != f"<= {1e12}"])
+
+
+def value_of(scene: Scene, key: str) -> str:
+    """Value of a dotted key, as the page writes it."""
+    value: Any = scene
+    for part in key.split("."):
+        value = getattr(value, part)
+    return "none" if value is None else f"`{json.dumps(value)}`"
+
+
+def test_keys_of_a_scene() -> None:
+    table = {row[0].strip("`"): row[1:3] for row in rows(section("scene.md", "Keys"))}
+    default = Scene.from_dict({})
+    assert table == {
+        key: [value_of(default, key), allowed(schema)] for key, schema in fields(Scene).items()
+    }
+
+
+def test_parameter_sets() -> None:
+    markdown = section("scene.md", "Parameter sets")
+    names = re.findall(r"`(\w+)`", markdown.split("| --- |")[0].splitlines()[-1])
+    assert names == list(parameters.SETS)
+    scenes = [Scene.from_dict({"parameters": name}) for name in names]
+    differing = [
+        key for key in fields(Scene)
+        if key != "parameters" and len({value_of(scene, key) for scene in scenes}) > 1
+    ]  # fmt: skip
+    table = {row[0].strip("`"): row[1:] for row in rows(markdown)}
+    assert table == {key: [value_of(scene, key) for scene in scenes] for key in differing}
+
+    x = np.linspace(1.0, 2.0, 10_001)
+    pulls = [
+        terms.adhesion_stiffness(scene)[0] / scene.contact
+        * potentials.adhesion_slope(x, scene.cells.adhesion_range).max()
+        for scene in scenes
+    ]  # fmt: skip
+    said = re.search(r"particle is ([\d., and]+), in this", markdown.replace("\n", " "))
+    assert said
+    assert re.findall(r"[\d.]+\d", said[1]) == [f"{pull:.2f}" for pull in pulls]
+
+
+def test_built_in_scenes() -> None:
+    table = rows(section("scene.md", "Built-in scenes"))
+    scenes = [(name, Scene.load(name)) for name in BUILT_IN]
+    assert table == [
+        [
+            f"`{name}`", "{} x {}".format(*scene.membrane.lattice), str(scene.cells.stem),
+            str(scene.cells.nd), f"`{scene.cells.arrangement}`", f"{scene.end_time:g}",
+        ]
+        for name, scene in scenes
+    ]  # fmt: skip
+    prose = " ".join(section("scene.md", "Built-in scenes").split())
+    for name in ("paper-ring", "quarter-ring"):
+        scene = Scene.load(name)
+        lx, ly, _ = scene.box_sides
+        assert f"{lx:g} x {ly:.3f}" in prose
+        assert f"{dermal_count(scene):,}" in prose
+    prose = " ".join(section("scene.md", "The initial state").split())
+    assert f"force component is below {FORCE_TOLERANCE:g} " in prose
+
+
+# ---- the styles
+
+
+def test_keywords_of_the_fix() -> None:
+    known = re.findall(r'keyword == "(\w+)"', text("plugins/fix_skin_cells_settings.cpp"))
+    table = rows(section("fix_skin_cells.md", "Syntax"))
+    assert sorted(row[0].strip("`") for row in table) == sorted(known)
+    code = re.sub(r"\s+", " ", text("plugins/fix_skin_cells_settings.cpp"))
+    found = re.search(r"required = \{(.*?)\}", code)
+    assert found
+    always = {row[0].strip("`") for row in table if row[2] == "always"}
+    assert always == set(re.findall(r"\w+", found[1]))
+
+
+def test_properties_of_cells() -> None:
+    code = text("plugins/skin_cell_state.h")
+    found = re.search(r'PROPERTIES =\s*"(.*?)"\s*"(.*?)"', code)
+    assert found
+    table = rows(section("fix_skin_cells.md", "Per-atom properties"))
+    assert [row[0].strip("`") for row in table] == (found[1] + found[2]).split()
+
+
+def test_output_of_the_fix() -> None:
+    heading = "Restart, fix_modify, output, run start/stop, minimize info"
+    markdown = section("fix_skin_cells.md", heading)
+    code = text("plugins/fix_skin_cells.cpp")
+    more = re.search(r"size_vector = NTERMS \+ (\d+)", code)
+    columns = re.search(r"NCOLUMNS = (\d+)", code)
+    assert more
+    assert columns
+    vector, array = markdown.split("| array column |")
+    assert [row[0] for row in rows(vector)] == [str(n) for n in range(1, 4 + int(more[1]))]
+    assert len(rows(array)) == int(columns[1])
+    assert f"vector of length {3 + int(more[1])}" in markdown
+    assert f"array with {columns[1]} columns" in markdown
+
+
+def test_event_log() -> None:
+    markdown = section("fix_skin_cells.md", "Event log")
+    header = re.search(r'HEADER\[\] = "(.*?)\\n"', text("plugins/skin_event_log.cpp"))
+    assert header
+    columns = markdown.split("| `kind` | `cause` | |")[0]
+    assert [name for row in rows(columns) for name in codes(row[0])] == header[1].split(",")
+    told = {tuple(codes(" ".join(row[:2]))) for row in rows(markdown) if len(row) == 3}
+    code = text("plugins/fix_skin_cells_events.cpp")
+    calls = re.findall(r"log_event\(event.*?;", code, re.DOTALL)
+    assert {word for pair in told for word in pair} == set(re.findall(r'"(\w+)"', "".join(calls)))
+
+
+# ---- the input scripts
+
+
+def index_variables() -> list[str]:
+    """Names in the scene.in of the built scene."""
+    return re.findall(r"^variable +(\w+) index", text("lammps_inputs/scene.in"), re.MULTILINE)
+
+
+def test_built_directory_is_up_to_date(tmp_path: Path) -> None:
+    """`lammps_inputs` is what its scene.toml gives today; only the packing may be another."""
+    shipped = ROOT / "lammps_inputs"
+    build(Scene.load(shipped / "scene.toml"), tmp_path)
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {path.name for path in shipped.iterdir() if path.suffix in SUFFIXES}
+    for name in names - {"skin.data"}:
+        assert (tmp_path / name).read_text() == (shipped / name).read_text(), name
+    sizes = [(path / "skin.data").read_text().splitlines()[:14] for path in (tmp_path, shipped)]
+    assert sizes[0] == sizes[1]
+
+
+def test_variables_of_the_input_scripts() -> None:
+    markdown = section("inputs.md", "Variables")
+    named = [name for row in rows(markdown) for name in codes(row[0])]
+    assert sorted(named) == sorted(["dir", "restart", *index_variables()])
+
+
+def test_files_of_the_input_scripts() -> None:
+    named = [name for row in rows(section("inputs.md", "Files")) for name in codes(row[0])]
+    assert set(SCRIPTS) <= set(named)
+    assert {"scene.in", "scene.toml", "skin.data", "*.table"} == set(named) - set(SCRIPTS)
+
+
+def test_columns_of_thermo_output() -> None:
+    columns = ["Step", "Time", "Atoms"]
+    for part in ("membrane", "dermis", "cells"):
+        script = re.sub(r"&\s+", "", text(f"lammps_inputs/{part}.in"))
+        found = re.search(r'variable +columns string "\$\{columns\} (.*?)"', script)
+        assert found
+        columns += found[1].split()
+    markdown = section("inputs.md", "What is written").split("Columns of the thermo output")[1]
+    assert [name for row in rows(markdown) for name in codes(row[0])] == columns
+
+
+# ---- the house
+
+
+def imports(module: str) -> set[str]:
+    """Modules of the package that a module or subpackage imports from outside itself."""
+    files = (PACKAGE / module).glob("*.py") if (PACKAGE / module).is_dir() else [
+        PACKAGE / f"{module}.py"
+    ]  # fmt: skip
+    found = set()
+    for node in (node for path in files for node in ast.walk(ast.parse(path.read_text("utf-8")))):
+        if isinstance(node, ast.ImportFrom) and node.module == "lammps_skin":
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("lammps_skin."):
+            found.add(str(node.module).split(".")[1])
+    return found - {module}
+
+
+def test_modules() -> None:
+    """Every module of the package is named, nothing else is, and none imports one below it."""
+    table = rows(section("architecture.md", "The package"))
+    named = [name for row in table for name in codes(row[0])]
+    there = {
+        path.stem for path in PACKAGE.iterdir()
+        if path.suffix == ".py" or (path / "__init__.py").exists()
+    }  # fmt: skip
+    assert sorted(named) == sorted(there - {"__init__"})
+    for n, module in enumerate(named):
+        assert imports(module) <= set(named[:n]), module
+
+
+def test_sources_of_the_plugin() -> None:
+    sources = {path for pattern in ("*.cpp", "*.h") for path in (ROOT / "plugins").glob(pattern)}
+    named = set(codes(section("architecture.md", "plugins/")))
+    for source in sources:
+        assert {f"plugins/{source.stem}{suffix}" for suffix in (".cpp", ".h")} & named, source.name
+
+
+def test_terms() -> None:
+    table = rows(section("architecture.md", "Terms"))
+    assert [row[0].strip("`") for row in table] == list(terms.TERMS)
+    for row in table:
+        assert callable(getattr(potentials, codes(row[2])[0].removeprefix("potentials.")))
+    ours = {tuple(codes(row[1])) for row in table if "(ours)" in row[1]}
+    registered = re.findall(
+        r'style = "(\w+)";\s*plugin.name = "([\w/]+)"', text("plugins/skinplugin.cpp")
+    )
+    names = {"fix": "fix {}", "dihedral": "dihedral_style {}", "bond": "bond_style {}"}
+    assert ours == {(names[style].format(name),) for style, name in registered}
+    for style, name in registered:
+        assert (ROOT / "docs" / f"{style}_{name.replace('/', '_')}.md").exists()

@@ -1,0 +1,34 @@
+"""What importing the package costs, and what it gives."""
+
+import subprocess
+import sys
+
+import lammps_skin
+import pytest
+
+HEAVY = {"numpy", "scipy", "pydantic", "lammps", "h5py", "MDAnalysis", "typer", "rich"}
+
+
+def modules_after(statement: str) -> set[str]:
+    """Modules of a fresh interpreter after a statement."""
+    code = f"{statement}; import sys; print(*sys.modules)"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(ended.stdout.split())
+
+
+def test_the_plugin_module_imports_nothing_heavy():
+    modules = modules_after("import lammps_skin.plugin")
+    assert not HEAVY & modules
+    ours = {name for name in modules if name.startswith("lammps_skin")}
+    assert ours == {"lammps_skin", "lammps_skin.plugin"}
+
+
+@pytest.mark.parametrize("name", lammps_skin.__all__)
+def test_public_names_are_there_at_first_use(name):
+    assert getattr(lammps_skin, name).__name__ == name
+    assert name in dir(lammps_skin)
+
+
+def test_other_names_are_not():
+    with pytest.raises(AttributeError, match=r"lammps_skin.*no attribute 'Scenery'"):
+        lammps_skin.Scenery  # noqa: B018
