@@ -302,7 +302,8 @@ void DihedralSkinBend::degenerate(int t)
   error->one(FLERR,
              "Dihedral skin/bend: the triangle of atoms {} {} {} has no normal on step {}: its "
              "area is below {}; try a smaller timestep than {}",
-             tag[corner[0][t]], tag[corner[1][t]], tag[corner[2][t]], update->ntimestep, 0.5 * SMALLEST_NORMAL, update->dt);
+             tag[corner[0][t]], tag[corner[1][t]], tag[corner[2][t]], update->ntimestep,
+             0.5 * SMALLEST_NORMAL, update->dt);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
-// Cells on a basement membrane: adhesion or binding to the nearest membrane particle, growing
-// springs between dividing cells, and the per-cell state. What happens at births and deaths
-// stands in fix_skin_cells_events.cpp.
+// Cells on a basement membrane: set-up, checks, restart and output of the fix. Its arguments stand
+// in fix_skin_cells_settings.cpp, its forces in fix_skin_cells_forces.cpp, and what happens at
+// births and deaths in fix_skin_cells_events.cpp.
 
 #include "fix_skin_cells.h"
 
@@ -22,8 +22,6 @@ using namespace FixConst;
 
 static const char *const KIND_NAMES[] = {"none", "stem", "ta", "exhausted", "nd"};
 
-static constexpr int NCOLUMNS = 8;
-
 /* ---------------------------------------------------------------------- */
 
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
@@ -31,7 +29,8 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0), cycle_rate(0.0),
     first_phase(0.0), spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
     half_separation(0.0), generations(0), every(1), next_id(0), births(0), deaths(0), state{},
-    log(lmp), log_position(-1), setup_time(0.0), energy{}, energy_all{}, energy_summed(false), nmax(0)
+    log(lmp), log_position(-1), setup_time(0.0), energy{}, energy_all{}, energy_summed(false),
+    nmax(0)
 {
   parse(narg, arg);
 
@@ -80,8 +79,8 @@ void FixSkinCells::init()
   if (atom->molecular != Atom::MOLECULAR || atom->maxspecial < 1)
     error->all(FLERR, "Fix skin/cells needs an atom style with bonds, such as molecular");
   if (force->special_lj[1] != 0.0 || force->special_coul[1] != 0.0)
-    error->all(FLERR, "Fix skin/cells needs special_bonds with weights 0.0 of 1-2 neighbors, or the "
-               "two cells of a dividing pair would exclude each other; it got {} and {}",
+    error->all(FLERR, "Fix skin/cells needs special_bonds with weights 0.0 of 1-2 neighbors, or "
+               "the two cells of a dividing pair would exclude each other; it got {} and {}",
                force->special_lj[1], force->special_coul[1]);
   if (atom->map_style == Atom::MAP_NONE) error->all(FLERR, "Fix skin/cells needs an atom map");
   if (domain->zperiodic || domain->boundary[2][1] != 1)
@@ -200,174 +199,11 @@ void FixSkinCells::setup(int /*vflag*/)
   if ((update->ntimestep + 1) % every == 0) plan_events(update->ntimestep + 1);
 }
 
-/* ----------------------------------------------------------------------
-   forces on cells and on owned and ghost membrane particles: added before the reverse
-   communication, which sends those on ghosts home
-------------------------------------------------------------------------- */
-
-void FixSkinCells::pre_reverse(int /*eflag*/, int vflag)
-{
-  refresh_state();
-  if (neighbor->ago == 0) list_cells();
-  v_init(vflag);
-  std::fill(energy, energy + NTERMS, 0.0);
-  energy_summed = false;
-
-  for (int k = 0; k < (int) cells.size(); k++) {
-    const int i = cells[k];
-    const SkinNearest::Neighbor closest =
-        nearest.nearest_candidate(k, atom->x[i], atom->x, atom->tag);
-    attach(i, closest);
-    if (state.pair[i]) pull_pair(i);
-    write_row(i, closest);
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FixSkinCells::min_pre_reverse(int eflag, int vflag)
-{
-  pre_reverse(eflag, vflag);
-}
-
 /* ---------------------------------------------------------------------- */
 
 void FixSkinCells::end_of_step()
 {
   if ((update->ntimestep + 1) % every == 0) plan_events(update->ntimestep + 1);
-}
-
-/* ----------------------------------------------------------------------
-   after a neighbor build: my cells, their candidates for the nearest membrane particle, and
-   rows of zeros for everything that is no cell
-------------------------------------------------------------------------- */
-
-void FixSkinCells::list_cells()
-{
-  if (atom->nmax > nmax) {
-    nmax = atom->nmax;
-    memory->destroy(array_atom);
-    memory->create(array_atom, nmax, NCOLUMNS, "skin/cells:array_atom");
-  }
-  if (atom->nlocal)
-    std::memset(&array_atom[0][0], 0, sizeof(double) * NCOLUMNS * (size_t) atom->nlocal);
-
-  cells.clear();
-  for (int i = 0; i < atom->nlocal; i++)
-    if (kind_of(i) != NONE) cells.push_back(i);
-
-  nearest.clear_candidates();
-  if (cells.empty()) return;
-  nearest.bin(atom->nlocal + atom->nghost, atom->x, atom->type, atom->tag, membrane_type,
-              0.5 * contact);
-  for (int i : cells) nearest.add_candidates(atom->x[i], neighbor->skin);
-}
-
-/* ----------------------------------------------------------------------
-   adhesion or binding of cell i to its nearest membrane particle
-------------------------------------------------------------------------- */
-
-void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
-{
-  const int kind = kind_of(i);
-  const bool bound = (kind == STEM || kind == ND);
-  const double r = closest.index < 0 ? INFINITY : std::sqrt(closest.distsq);
-  const double stretch = r / contact - 1.0;
-  double slope = 0.0;    // du/d(stretch), times K
-
-  if (bound) {
-    const double reach = comm->cutghost[0] - 2.0 * neighbor->skin;
-    if (!(r <= reach))
-      error->one(FLERR, "Fix skin/cells: {} cell {} has lost the membrane on step {}: its nearest "
-                 "membrane particle is at {} but the ghost particles reach to {}; try a smaller "
-                 "timestep than {}",
-                 KIND_NAMES[kind], atom->tag[i], update->ntimestep, r, reach, update->dt);
-    if (stretch > 0.0) {
-      energy[BINDING] += 0.5 * binding_stiffness * stretch * stretch;
-      slope = binding_stiffness * stretch;
-    }
-  } else {
-    const double width = adhesion_range - 1.0;
-    if (!(stretch <= width) && state.detached_time[i] < 0.0)
-      state.detached_time[i] = now();
-    if (kind == TA && stretch > 0.0) {
-      const double s = std::min(stretch, width), q = s * s / (width * width);
-      energy[ADHESION] += 0.5 * adhesion_stiffness * s * s * (1.0 - 0.5 * q);
-      slope = adhesion_stiffness * s * (1.0 - q);
-    }
-  }
-
-  if (slope != 0.0) add_pair_force(i, closest.index, -slope / (contact * r));
-}
-
-/* ----------------------------------------------------------------------
-   division spring: each owner computes the force on its own cell, and half of the energy
-------------------------------------------------------------------------- */
-
-void FixSkinCells::pull_pair(int i)
-{
-  int j = atom->map(state.pair[i]);
-  if (j < 0)
-    error->one(FLERR, "Fix skin/cells: the cells {} and {} of a dividing pair have lost each other "
-               "on step {}; try a smaller timestep than {}",
-               atom->tag[i], state.pair[i], update->ntimestep, update->dt);
-  j = domain->closest_image(i, j);
-
-  const double *xi = atom->x[i], *xj = atom->x[j];
-  const double delta[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]};
-  const double r = std::sqrt(delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]);
-  if (r == 0.0)
-    error->one(FLERR, "Fix skin/cells: the cells {} and {} of a dividing pair are at one point",
-               atom->tag[i], state.pair[i]);
-
-  const double age = now() - state.pair_start[i];
-  const double length = std::min(spring_start + spring_rate * age, spring_end);
-  const double stretch = r - length;
-  const double fpair = -spring_stiffness * stretch / r;
-
-  energy[DIVISION] += 0.25 * spring_stiffness * stretch * stretch;
-  for (int d = 0; d < 3; d++) atom->f[i][d] += fpair * delta[d];
-
-  if (evflag) {
-    double half[6] = {delta[0] * delta[0], delta[1] * delta[1], delta[2] * delta[2],
-                      delta[0] * delta[1], delta[0] * delta[2], delta[1] * delta[2]};
-    for (double &h : half) h *= 0.5 * fpair;
-    v_tally(i, half);
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FixSkinCells::add_pair_force(int i, int j, double fpair)
-{
-  double **x = atom->x, **f = atom->f;
-  const double delta[3] = {x[i][0] - x[j][0], x[i][1] - x[j][1], x[i][2] - x[j][2]};
-  for (int d = 0; d < 3; d++) {
-    f[i][d] += fpair * delta[d];
-    f[j][d] -= fpair * delta[d];
-  }
-
-  if (evflag) {
-    double v[6] = {delta[0] * delta[0], delta[1] * delta[1], delta[2] * delta[2],
-                   delta[0] * delta[1], delta[0] * delta[2], delta[1] * delta[2]};
-    for (double &w : v) w *= fpair;
-    v_tally(i, v);
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FixSkinCells::write_row(int i, const SkinNearest::Neighbor &closest)
-{
-  double *row = array_atom[i];
-  row[0] = closest.index < 0 ? 0 : atom->tag[closest.index];
-  row[1] = state.divisions_left[i];
-  row[2] = state.next_division[i];
-  row[3] = state.parent[i];
-  row[4] = state.pair[i];
-  row[5] = state.birth_time[i];
-  row[6] = closest.index < 0 ? -1.0 : std::sqrt(closest.distsq);
-  row[7] = state.pair[i] ? state.pair_start[i] : SkinCellState::NEVER;
 }
 
 /* ----------------------------------------------------------------------

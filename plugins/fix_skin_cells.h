@@ -34,6 +34,7 @@ class FixSkinCells : public Fix {
  private:
   enum Kind { NONE, STEM, TA, EXHAUSTED, ND, NKINDS };
   enum Term { ADHESION, BINDING, DIVISION, NTERMS };
+  static constexpr int NCOLUMNS = 8;    // of the per-atom array
 
   // settings
 

@@ -255,7 +255,7 @@ def test_output_of_the_fix() -> None:
     markdown = section("fix_skin_cells.md", heading)
     code = text("plugins/fix_skin_cells.cpp")
     more = re.search(r"size_vector = NTERMS \+ (\d+)", code)
-    columns = re.search(r"NCOLUMNS = (\d+)", code)
+    columns = re.search(r"NCOLUMNS = (\d+)", text("plugins/fix_skin_cells.h"))
     assert more
     assert columns
     vector, array = markdown.split("| array column |")
