@@ -30,7 +30,7 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     first_phase(0.0), spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
     half_separation(0.0), generations(0), every(1), next_id(0), births(0), deaths(0), state{},
     log(lmp), log_position(-1), setup_time(0.0), energy{}, energy_all{}, energy_summed(false),
-    nmax(0)
+    nmax(0), built_call(-1), built_step(-1)
 {
   parse(narg, arg);
 
@@ -91,6 +91,7 @@ void FixSkinCells::init()
                "membrane particle would not be exact; it got every {} delay {} check {}",
                neighbor->every, neighbor->delay, neighbor->dist_check ? "yes" : "no");
 
+  built_call = built_step = -1;
   refresh_state();
   for (int i = 0; i < atom->nlocal; i++) check_cell(i);
 

@@ -64,7 +64,8 @@ class FixSkinCells : public Fix {
   std::vector<int> cells;    // local indices of my cells since the last neighbor build
   double energy[NTERMS], energy_all[NTERMS];
   bool energy_summed;
-  int nmax;    // rows of array_atom
+  int nmax;                         // rows of array_atom
+  bigint built_call, built_step;    // the neighbor build that cells and nearest belong to
 
   // settings and checks
 

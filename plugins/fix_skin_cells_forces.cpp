@@ -24,7 +24,7 @@ using namespace LAMMPS_NS;
 void FixSkinCells::pre_reverse(int /*eflag*/, int vflag)
 {
   refresh_state();
-  if (neighbor->ago == 0) list_cells();
+  if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) list_cells();
   v_init(vflag);
   std::fill(energy, energy + NTERMS, 0.0);
   energy_summed = false;
@@ -65,6 +65,8 @@ void FixSkinCells::list_cells()
   for (int i = 0; i < atom->nlocal; i++)
     if (kind_of(i) != NONE) cells.push_back(i);
 
+  built_call = neighbor->ncalls;
+  built_step = neighbor->lastcall;
   nearest.clear_candidates();
   if (cells.empty()) return;
   nearest.bin(atom->nlocal + atom->nghost, atom->x, atom->type, atom->tag, membrane_type,

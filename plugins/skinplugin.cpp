@@ -3,6 +3,7 @@
 #include "bond_skin_stretch.h"
 #include "dihedral_skin_bend.h"
 #include "fix_skin_cells.h"
+#include "fix_skin_motion.h"
 
 #include "lammps.h"
 
@@ -46,6 +47,11 @@ static void *create_fix_skin_cells(LAMMPS *lmp, int narg, char **arg)
   return new FixSkinCells(lmp, narg, arg);
 }
 
+static void *create_fix_skin_motion(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixSkinMotion(lmp, narg, arg);
+}
+
 extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle,
                                                                          void *regfunc)
 {
@@ -72,5 +78,11 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.name = "skin/cells";
   plugin.info = "adhesion, division and removal of epidermal cells on a basement membrane";
   plugin.creator.v2 = &create_fix_skin_cells;
+  register_plugin(&plugin, lmp);
+
+  plugin.style = "fix";
+  plugin.name = "skin/motion";
+  plugin.info = "overdamped motion that divides steps in which a particle would move too far";
+  plugin.creator.v2 = &create_fix_skin_motion;
   register_plugin(&plugin, lmp);
 }

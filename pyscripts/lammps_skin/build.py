@@ -99,6 +99,7 @@ def _variables(
     yield index("dump_interval", scene.output.dump_interval)
     yield index("checkpoint_interval", scene.output.checkpoint_interval)
     yield index("event_interval", scene.numerics.event_interval)
+    yield index("largest_move", scene.numerics.largest_move)
     yield index("running", 1)
     yield "\n# parts"
     yield index("has_dermis", int(scene.dermis.present))

@@ -86,6 +86,9 @@ class Numerics(Part):
     """How it is computed."""
 
     timestep: Positive = 0.01
+    largest_move: NotNegative = Field(
+        0.05, description="of any particle in one step; longer steps are divided; 0: never"
+    )
     pair_form: Literal["analytic", "table"] = Field(
         "analytic", description="of the terms that have a Lennard-Jones shape"
     )

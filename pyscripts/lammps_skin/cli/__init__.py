@@ -10,6 +10,7 @@ from typer.exceptions import TyperException
 
 from lammps_skin.cli.build import build
 from lammps_skin.cli.check import check
+from lammps_skin.cli.convert import convert
 from lammps_skin.cli.evaluate import evaluate
 from lammps_skin.cli.run import run
 from lammps_skin.cli.scenes import scenes
@@ -21,7 +22,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for command in (scenes, check, build, run, evaluate):
+for command in (scenes, check, build, run, convert, evaluate):
     app.command()(command)
 
 

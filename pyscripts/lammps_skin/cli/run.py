@@ -100,7 +100,7 @@ def _what_and_where(
 
 
 def _remove_results(directory: Path) -> None:
-    for path in [*(directory / name for name in FILES), *directory.glob(RESTARTS)]:
+    for path in [*(directory / name for name in (*FILES, "skin.h5")), *directory.glob(RESTARTS)]:
         if path.exists():
             path.unlink()
 

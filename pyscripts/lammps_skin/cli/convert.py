@@ -1,0 +1,26 @@
+"""``skin convert``: the trajectory of a run as HDF5."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from lammps_skin.cli.options import console
+from lammps_skin.trajectory.convert import convert as convert_directory
+
+
+def convert(
+    directory: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Directory of a scene that was run.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="OUT", help="File to write instead of DIR/skin.h5."),
+    ] = None,
+) -> None:
+    """Write the trajectory of a run, skin.dump, as an H5MD file that MDAnalysis reads."""
+    with console.status("converting"):
+        path, frames, slots = convert_directory(directory, output)
+    console.print(f"{path}: {frames} frames, {slots} particles in all")

@@ -1,0 +1,1 @@
+"""Trajectories with births and deaths: the dump of a run, HDF5, MDAnalysis."""

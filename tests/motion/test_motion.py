@@ -1,0 +1,101 @@
+"""fix skin/motion: forward Euler whose steps are divided where a particle would move too far."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from lammps_skin.configuration import Configuration
+from lammps_skin.engine import Forces, open_lammps
+from lammps_skin.errors import SimulationError
+from lammps_skin.scene import Scene
+from lammps_skin.simulation import Simulation
+
+CORNER = 2 * 24 + 5  # of the lattice of bare-membrane below
+
+
+def sheet(**changes: Any) -> tuple[Scene, Configuration]:
+    """A small rough membrane."""
+    scene = Scene.load("bare-membrane").replace(
+        **{"membrane.lattice": [24, 28], "output.dump_interval": 0.0, **changes}
+    )
+    return scene, Configuration.from_scene(scene)
+
+
+def inverted(configuration: Configuration) -> Configuration:
+    """The sheet with one corner pushed just through the link opposite to it."""
+    opposite, i, j, _ = next(h for h in configuration.hinges if CORNER in h[:1])
+    x = configuration.positions
+    middle = (x[i] + x[j]) / 2
+    x[opposite] = middle + 5e-3 * (middle - x[opposite])
+    return configuration
+
+
+def state_after(scene: Scene, configuration: Configuration, time: float, **more: Any) -> Forces:
+    with Simulation(scene, configuration=configuration, **more) as simulation:
+        simulation.run(until=time)
+        return simulation.forces()
+
+
+def test_undivided_steps_are_those_of_fix_brownian() -> None:
+    scene, configuration = sheet()
+    ours = state_after(scene, configuration, 1.0)
+    plain = state_after(scene.replace(**{"numerics.largest_move": 0.0}), configuration, 1.0)
+    assert np.abs(ours.positions - configuration.positions).max() > 1e-3
+    np.testing.assert_allclose(ours.positions, plain.positions, rtol=0, atol=1e-12)
+
+
+def test_divided_step_is_a_chain_of_euler_steps(tmp_path: Path) -> None:
+    """One step, against moves by hand with the forces that LAMMPS gives at each place."""
+    scene, configuration = sheet(**{"numerics.largest_move": 2e-4})
+    at = state_after(scene, configuration, 0.0)
+    x, forces, remaining, pieces = at.positions, at.forces, scene.numerics.timestep, 0
+    while remaining > 0:
+        fastest = np.linalg.norm(forces, axis=1).max()
+        piece = min(remaining, 2e-4 / fastest)
+        x, remaining, pieces = x + piece * forces, remaining - piece, pieces + 1
+        configuration.positions = x
+        forces = state_after(scene, configuration, 0.0).forces
+
+    assert pieces > 2
+    _, fresh = sheet()
+    with Simulation(scene, tmp_path, fresh) as simulation:
+        simulation.run(until=scene.numerics.timestep)
+        moved = simulation.forces()
+    delta = moved.positions - x
+    delta[:, :2] -= fresh.box[:2] * np.round(delta[:, :2] / fresh.box[:2])
+    np.testing.assert_allclose(delta, 0, atol=1e-12)
+
+
+def test_collapsed_triangle_is_survived() -> None:
+    """A triangle just turned over throws its corner away, unless the step is divided."""
+    scene, configuration = sheet(**{"membrane.noise": 0.02})
+    start = inverted(configuration)
+    moved = state_after(scene, start, 1.0).positions
+    assert np.abs(moved[:, 2] - scene.membrane_height).max() < 1.0
+    with pytest.raises(SimulationError, match="link of atoms"):
+        state_after(scene.replace(**{"numerics.largest_move": 0.0}), start, 1.0)
+
+
+@pytest.mark.parametrize("how", [{"ranks": 2}, {"threads": 2}])
+def test_ranks_and_threads_agree(how: dict[str, int]) -> None:
+    scene, configuration = sheet(**{"numerics.largest_move": 1e-3})
+    one, two = (state_after(scene, configuration, 0.1, **more) for more in ({}, how))
+    np.testing.assert_array_equal(one.ids, two.ids)
+    np.testing.assert_allclose(one.positions, two.positions, rtol=0, atol=1e-11)
+
+
+def test_hopeless_steps_end_the_run() -> None:
+    scene, configuration = sheet(**{"numerics.largest_move": 1e-12})
+    message = r"unstable on step 1: the force on atom \d+ of type 1 is .* try a smaller timestep"
+    with pytest.raises(SimulationError, match=message):
+        state_after(scene, configuration, 0.1)
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "inf", "far"])
+def test_bad_value(value: str) -> None:
+    engine = open_lammps(["-log", "none"])
+    engine.commands_string("region box block 0 1 0 1 0 1\ncreate_box 1 box")
+    with pytest.raises(Exception, match=r"largest move|numeric|floating"):
+        engine.command(f"fix motion all skin/motion {value}")
+    engine.close()

@@ -1,0 +1,176 @@
+"""read_dump gives what the simulation said, whatever befell the file."""
+
+import shutil
+import tracemalloc
+from dataclasses import fields
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lammps_skin.errors import SkinError
+from lammps_skin.kinds import Kind
+from lammps_skin.scene import Scene
+from lammps_skin.simulation import Simulation
+from lammps_skin.trajectory.dump import ABSENT, CELL_STATE, Frame, read_dump
+
+from tests.cells.conftest import lmp
+from tests.trajectory.conftest import FRAMES, INTERVAL, Run, small_scene
+
+KINDS = (Kind.MEMBRANE, Kind.STEM, Kind.TA, Kind.EXHAUSTED, Kind.ND)
+
+
+def blocks(run: Run) -> list[bytes]:
+    """The text of each frame."""
+    first = b"ITEM: TIME\n"
+    return [first + rest for rest in (run.directory / "skin.dump").read_bytes().split(first)[1:]]
+
+
+def frames_of(path: Path, *parts: bytes) -> list[Frame]:
+    """Frames of a dump made of these parts."""
+    path.write_bytes(b"".join(parts))
+    return list(read_dump(path, KINDS))
+
+
+def moved(block: bytes) -> bytes:
+    """A frame in which one number is another: the place along z of the first particle."""
+    head, columns, rows = block.partition(b"f_cells[6]\n")
+    words = rows.split(b" ", 5)
+    words[4] = b"22.5"
+    return head + columns + b" ".join(words)
+
+
+def same(frame: Frame, other: Frame) -> bool:
+    """Bit for bit, NaN being equal to itself."""
+
+    names = [field.name for field in fields(Frame) if field.name != "state"]
+    pairs = [(getattr(frame, name), getattr(other, name)) for name in names]
+    pairs += [(frame.state[name], other.state[name]) for name in CELL_STATE]
+    return all(np.array_equal(a, b, equal_nan=True) for a, b in pairs)
+
+
+def test_frames_are_those_of_the_simulation(run):
+    assert len(run.frames) == FRAMES
+    for n, (frame, truth) in enumerate(zip(run.frames, run.particles, strict=True)):
+        assert frame.step == round(n * INTERVAL / 0.01)
+        assert frame.time == pytest.approx(n * INTERVAL, rel=1e-12)
+        np.testing.assert_array_equal(frame.edges, run.scene.box_sides)
+        np.testing.assert_array_equal(frame.ids, truth.ids)
+        np.testing.assert_array_equal(frame.kinds, truth.types)
+        np.testing.assert_array_equal(frame.positions, truth.positions)
+
+
+def test_state_of_cells_is_that_of_the_simulation(run):
+    for frame, truth in zip(run.frames, run.cells, strict=True):
+        is_cell = frame.kinds != Kind.MEMBRANE
+        np.testing.assert_array_equal(frame.ids[is_cell], truth.ids)
+        for name in CELL_STATE:
+            told = getattr(truth, name)
+            np.testing.assert_array_equal(frame.state[name][is_cell], told, err_msg=name)
+        assert (frame.state["divisions_left"][~is_cell] == ABSENT).all()
+        assert np.isnan(frame.state["birth_time"][~is_cell]).all()
+
+
+def test_the_run_has_what_is_difficult(run):
+    """Births and removals that cancel between frames, and cells that change their kind."""
+    ids = [set(cells.ids.tolist()) for cells in run.cells]
+    steps = list(pairwise(ids))
+    assert any(len(a) == len(b) and a != b for a, b in steps)
+    assert any(len(a) > len(b) for a, b in steps) and any(len(a) < len(b) for a, b in steps)
+    kinds = [dict(zip(c.ids.tolist(), c.types.tolist(), strict=True)) for c in run.cells]
+    assert any(a[k] != b[k] for a, b in pairwise(kinds) for k in a.keys() & b)
+
+
+@pytest.mark.parametrize("cut", [1, 2, 40, 5000, -5, -90, -300])
+def test_a_truncated_last_frame_is_left_out(run, tmp_path, cut):
+    """Cut off so many bytes, or all but so many of its frame."""
+    *whole, last = blocks(run)
+    found = frames_of(tmp_path / "skin.dump", *whole, last[:-cut])
+    assert [frame.step for frame in found] == [frame.step for frame in run.frames[:-1]]
+    assert all(map(same, found, run.frames[:-1]))
+
+
+def test_of_frames_of_one_step_the_later_counts(run, tmp_path):
+    """A run resumed twice; the second time from further back."""
+    text = blocks(run)
+    again = [moved(block) for block in text]
+    found = frames_of(tmp_path / "skin.dump", *text[:9], *again[6:8], *text[5:7], *again[7:12])
+    assert [frame.step for frame in found] == [frame.step for frame in run.frames[:12]]
+    assert [frame.positions[0, 2] == 22.5 for frame in found] == [False] * 7 + [True] * 5
+    assert all(map(same, found[:7], run.frames[:7]))
+
+
+def test_frames_after_the_point_of_resumption_are_gone(run, tmp_path):
+    """Even those that the resumed run has not come to, or writes at other steps."""
+    text = blocks(run)
+    found = frames_of(tmp_path / "skin.dump", *text[:9], text[5])
+    assert [frame.step for frame in found] == [frame.step for frame in run.frames[:6]]
+
+
+@pytest.mark.parametrize("left", [3, 11, 14, 100, 5000, -1, -20])
+def test_a_frame_cut_off_before_the_run_was_resumed(run, tmp_path, left):
+    text = blocks(run)
+    found = frames_of(tmp_path / "skin.dump", *text[:6], text[6][:left], *text[5:8])
+    assert len(found) == 8
+    assert all(map(same, found, run.frames[:8]))
+
+
+def test_a_really_resumed_run(tmp_path):
+    scene = small_scene().replace(**{"output.checkpoint_interval": 2.0})
+    with Simulation(scene, tmp_path) as simulation:
+        simulation.run(until=3.5)
+    restart = min(tmp_path.glob("skin.*.restart"), key=lambda file: file.stat().st_mtime_ns).name
+    ended = lmp(tmp_path, "-var", "restart", restart, "-var", "end_time", "5")
+    assert ended.returncode == 0, ended.stdout
+    written = (tmp_path / "skin.dump").read_text().count("ITEM: TIMESTEP")
+    found = list(read_dump(tmp_path / "skin.dump"))
+    assert [frame.step for frame in found] == list(range(0, 501, 50))
+    assert written == len(found) + 3
+    with Simulation(scene, tmp_path / "once") as simulation:
+        simulation.run(until=5.0)
+    for frame, other in zip(found, read_dump(tmp_path / "once" / "skin.dump"), strict=True):
+        np.testing.assert_array_equal(frame.ids, other.ids)
+        np.testing.assert_allclose(frame.positions, other.positions, atol=1e-9)
+
+
+def test_a_scene_without_cells(tmp_path):
+    scene = Scene.load("bare-membrane").replace(**{"output.dump_interval": 0.1})
+    with Simulation(scene.replace(**{"membrane.lattice": [12, 14]}), tmp_path) as simulation:
+        simulation.run(until=0.2)
+    found = list(read_dump(tmp_path / "skin.dump"))
+    assert len(found) == 3
+    assert (found[2].kinds == Kind.MEMBRANE).all() and found[2].positions.shape == (168, 3)
+    assert (found[2].state["partner"] == ABSENT).all()
+
+
+def test_memory_does_not_grow_with_the_number_of_frames(run, tmp_path):
+    def peak(copies: int) -> int:
+        text = blocks(run)[0]
+        path = tmp_path / "skin.dump"
+        with path.open("wb") as file:
+            for step in range(copies):
+                file.write(text.replace(b"STEP\n0\n", b"STEP\n%d\n" % step))
+        tracemalloc.start()
+        for frame in read_dump(path, KINDS):
+            last = frame.step
+        assert last == copies - 1
+        used = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return used
+
+    assert peak(60) < 1.05 * peak(6)
+
+
+def test_what_cannot_be_read_is_said(run, tmp_path):
+    with pytest.raises(SkinError, match="No such file"):
+        list(read_dump(tmp_path / "skin.dump", KINDS))
+    text = blocks(run)[0]
+    for wrong in (text.replace(b" z ", b" w "), text.replace(b"NUMBER", b"NAMES")):
+        with pytest.raises(SkinError, match=r"skin\.dump: is not a dump of this scene"):
+            frames_of(tmp_path / "skin.dump", wrong)
+    (tmp_path / "skin.dump").write_bytes(text)
+    with pytest.raises(SkinError, match="is not a dump of this scene"):
+        list(read_dump(tmp_path / "skin.dump", KINDS[:2]))
+    shutil.copy(run.directory / "skin.dump", tmp_path)
+    with pytest.raises(SkinError, match="holds no built scene"):
+        list(read_dump(tmp_path / "skin.dump"))

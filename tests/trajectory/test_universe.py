@@ -1,0 +1,101 @@
+"""The trajectory in MDAnalysis is right in every frame, in whatever order they are read."""
+
+import pickle
+
+import MDAnalysis
+import numpy as np
+import pytest
+from lammps_skin import lattice
+from lammps_skin.errors import SkinError
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.trajectory.dump import CELL_STATE
+from lammps_skin.trajectory.universe import open_trajectory
+
+ORDERS = {
+    "forward": lambda n: range(n),
+    "backward": lambda n: range(n - 1, -1, -1),
+    "random": lambda n: np.random.default_rng(3).integers(0, n, 2 * n).tolist(),
+}
+
+
+@pytest.fixture
+def universe(run):
+    return open_trajectory(run.directory / "skin.h5")
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_selections_are_right_in_every_frame(run, universe, order):
+    cells = " ".join(str(int(kind)) for kind in CELLS)
+    living = universe.select_atoms("alive 1", updating=True)
+    any_cell = universe.select_atoms(f"alive 1 and type {cells}", updating=True)
+    by_kind = {k: universe.select_atoms(f"alive 1 and type {int(k)}", updating=True) for k in Kind}
+    able = universe.select_atoms("divisions_left 1:100", updating=True)
+    for n in ORDERS[order](len(run.frames)):
+        universe.trajectory[n]
+        particles, told = run.particles[n], run.cells[n]
+        np.testing.assert_array_equal(living.ids, particles.ids)
+        np.testing.assert_array_equal(any_cell.ids, told.ids)
+        for kind, group in by_kind.items():
+            np.testing.assert_array_equal(group.ids, particles.ids[particles.types == kind])
+        np.testing.assert_array_equal(able.ids, told.ids[told.divisions_left > 0])
+        np.testing.assert_array_equal(living.positions, particles.positions.astype(np.float32))
+        np.testing.assert_array_equal(living.types.astype(int), particles.types)
+        for name in CELL_STATE:
+            truth = getattr(told, name)
+            np.testing.assert_array_equal(getattr(any_cell, name), truth, err_msg=name)
+
+
+def test_what_does_not_live_is_nothing(run, universe):
+    for n, frame in enumerate(run.frames):
+        universe.trajectory[n]
+        absent = universe.select_atoms("alive 0")
+        assert len(absent) == len(universe.atoms) - len(frame.ids)
+        assert set(absent.types) <= {"-1"} and np.isnan(absent.positions).all()
+        assert (absent.divisions_left == -1).all() and np.isnan(absent.birth_time).all()
+
+
+def test_times_box_and_bonds(run, universe):
+    assert [ts.time for ts in universe.trajectory] == [frame.time for frame in run.frames]
+    assert [ts.data["step"] for ts in universe.trajectory] == [f.step for f in run.frames]
+    expected = np.array([*run.scene.box_sides, 90, 90, 90], np.float32)
+    np.testing.assert_array_equal(universe.dimensions, expected)
+    links, _ = lattice.links_and_hinges(run.scene.membrane.lattice)
+    bonds = {tuple(sorted(bond)) for bond in universe.bonds.indices.tolist()}
+    assert bonds == {tuple(sorted(link)) for link in links.tolist()}
+
+
+OTHERS = {
+    "opened": lambda universe: open_trajectory(universe.trajectory.filename),
+    "copied": lambda universe: universe.copy(),
+    "pickled": lambda universe: pickle.loads(pickle.dumps(universe)),
+}
+
+
+@pytest.mark.filterwarnings("ignore:Reader has no dt")  # in MDAnalysis, while it unpickles
+@pytest.mark.parametrize("way", OTHERS)
+def test_two_universes_do_not_disturb_each_other(run, universe, way):
+    universe.trajectory[5]
+    other = OTHERS[way](universe)
+    assert other.trajectory.frame == (0 if way == "opened" else 5)
+    universe.trajectory[-1]
+    other.trajectory[3]
+    assert other.select_atoms("alive 1").ids.tolist() == run.frames[3].ids.tolist()
+    assert universe.select_atoms("alive 1").ids.tolist() == run.frames[-1].ids.tolist()
+
+
+def test_plain_reader_of_mdanalysis_opens_it(run):
+    """Without the attributes, which are ours."""
+    path = str(run.directory / "skin.h5")
+    plain = MDAnalysis.Universe.empty(max(int(frame.ids.max()) for frame in run.frames))
+    plain.load_new(path, format="H5MD", convert_units=False)
+    assert len(plain.trajectory) == len(run.frames)
+    for ts, frame in zip(plain.trajectory, run.frames, strict=True):
+        places = ts.positions[frame.ids - 1]
+        np.testing.assert_array_equal(places, frame.positions.astype(np.float32))
+
+
+def test_other_files_are_refused(tmp_path):
+    (tmp_path / "skin.h5").write_text("nothing")
+    for name in ("skin.h5", "absent.h5"):
+        with pytest.raises(SkinError, match=f"{name}: is no trajectory in HDF5"):
+            open_trajectory(tmp_path / name)
