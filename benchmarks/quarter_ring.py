@@ -65,10 +65,12 @@ def measure(simulation: Simulation) -> dict[str, float]:
     }
 
 
-def run(seed: int, folder: Path) -> Path:
+def run(seed: int, folder: Path, largest_move: float) -> Path:
     """One seed, from the beginning to the end time; stops with an error if the run does."""
     quiet = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
-    scene = Scene.load("quarter-ring").replace(seed=seed, **quiet)
+    scene = Scene.load("quarter-ring").replace(
+        seed=seed, **quiet, **{"numerics.largest_move": largest_move}
+    )
     path = folder / f"quarter-ring-{seed}.csv"
     with Simulation(scene) as simulation, path.open("w", encoding="utf-8") as file:
         rows = measured(simulation, scene.end_time)
@@ -106,13 +108,18 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("-o", dest="folder", type=Path, default=Path("docs/data"))
+    parser.add_argument("--largest-move", type=float, default=0.05, help="0: plain Euler")
     parser.add_argument("--show", action="store_true")
     options = parser.parse_args()
 
     options.folder.mkdir(parents=True, exist_ok=True)
     if not options.show:
         with ProcessPoolExecutor(options.jobs) as pool:
-            list(pool.map(run, options.seeds, [options.folder] * len(options.seeds)))
+            more = (
+                [options.folder] * len(options.seeds),
+                [options.largest_move] * len(options.seeds),
+            )
+            list(pool.map(run, options.seeds, *more))
     show([options.folder / f"quarter-ring-{seed}.csv" for seed in options.seeds])
 
 
