@@ -29,8 +29,8 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0), cycle_rate(0.0),
     first_phase(0.0), spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
     half_separation(0.0), generations(0), every(1), next_id(0), births(0), deaths(0), state{},
-    log(lmp), log_position(-1), setup_time(0.0), energy{}, energy_all{}, energy_summed(false),
-    nmax(0), built_call(-1), built_step(-1)
+    log(lmp), log_position(-1), setup_time(0.0), time_offset(0.0), energy{}, energy_all{},
+    energy_summed(false), nmax(0), built_call(-1), built_step(-1)
 {
   parse(narg, arg);
 
@@ -179,7 +179,29 @@ void FixSkinCells::setup_pre_neighbor()
 
 double FixSkinCells::now() const
 {
-  return update->whichflag == 2 ? setup_time : time_of_step(update->ntimestep);
+  return update->whichflag == 2 ? setup_time : time_of_step(update->ntimestep) + time_offset;
+}
+
+/* ----------------------------------------------------------------------
+   forces until the next call are those at this time, counted from the end of the step
+------------------------------------------------------------------------- */
+
+void FixSkinCells::within_step(double offset)
+{
+  time_offset = offset;
+}
+
+/* ----------------------------------------------------------------------
+   what was seen after this time of the step did not happen: the step is done again
+------------------------------------------------------------------------- */
+
+void FixSkinCells::forget_detached_after(double offset)
+{
+  refresh_state();
+  const double time = time_of_step(update->ntimestep) + offset;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (kind_of(i) != NONE && state.detached_time[i] > time)
+      state.detached_time[i] = SkinCellState::NEVER;
 }
 
 /* ---------------------------------------------------------------------- */

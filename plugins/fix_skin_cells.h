@@ -31,6 +31,11 @@ class FixSkinCells : public Fix {
   double compute_vector(int) override;
   double memory_usage() override;
 
+  // for integrators that compute forces within a step
+
+  void within_step(double);
+  void forget_detached_after(double);
+
  private:
   enum Kind { NONE, STEM, TA, EXHAUSTED, ND, NKINDS };
   enum Term { ADHESION, BINDING, DIVISION, NTERMS };
@@ -59,6 +64,7 @@ class FixSkinCells : public Fix {
   SkinEventLog log;
   bigint log_position;    // where the log stood when the restart file was written, or -1
   double setup_time;      // time at the setup of this run or minimisation
+  double time_offset;     // from the end of the step to a stage within it
 
   SkinNearest nearest;
   std::vector<int> cells;    // local indices of my cells since the last neighbor build
