@@ -163,6 +163,31 @@ double BondSkinStretch::energy_of(int type, double r) const
   return c[0] * (c[4] * spring + inv6 * inv6 / 12.0 - inv6 / 6.0);
 }
 
+/* ----------------------------------------------------------------------
+   second derivatives d2E/dr2 of the links of the last compute(), both rows of each: a bound for
+   the stiffness of a particle along its links, summed over owned and ghost particles
+------------------------------------------------------------------------- */
+
+void BondSkinStretch::add_stiffness(double *stiffness)
+{
+  for (int n = 0; n < (int) fbond.size(); n++) {
+    const int i = ends[0][n], j = ends[1][n];
+    const double *c = coeffs[neighbor->bondlist[n][2]], *xi = atom->x[i], *xj = atom->x[j];
+    const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
+    const double d2 = c[3], s = sqrt(dx * dx + dy * dy + dz * dz) / c[1];
+
+    double second = c[4] * c[2];
+    if (s < d2 || s > 1.0) {
+      const double inverse = d2 / (s < d2 ? s : 1.0 + d2 - s), inv2 = inverse * inverse;
+      const double inv8 = inv2 * inv2 * inv2 * inv2;
+      second = 13.0 * inv8 * inv2 * inv2 * inv2 - 7.0 * inv8;
+    }
+    second *= 2.0 * c[0] / (d2 * d2 * c[1] * c[1]);
+    stiffness[i] += second;
+    stiffness[j] += second;
+  }
+}
+
 /* ---------------------------------------------------------------------- */
 
 void BondSkinStretch::overstretched(int n)

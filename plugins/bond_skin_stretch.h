@@ -20,6 +20,7 @@ class BondSkinStretch : public Bond {
   void write_data(FILE *) override;
   double single(int, double, int, int, double &) override;
   double memory_usage() override;
+  void add_stiffness(double *);
 
  private:
   static constexpr int NCOEFFS = 5;

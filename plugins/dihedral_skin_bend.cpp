@@ -254,6 +254,32 @@ void DihedralSkinBend::add_forces()
 }
 
 /* ----------------------------------------------------------------------
+   a bound for the stiffness of the corners of the triangles of the last compute(): the second
+   derivative by the angle over the squares of the triangle's heights
+------------------------------------------------------------------------- */
+
+void DihedralSkinBend::add_stiffness(double *sum) const
+{
+  for (int t = 0; t < ntriangles; t++) {
+    double fold = 0.0;
+    for (int k = 0; k < 3; k++) {
+      const int m = across[k][t];
+      const double c = normal[0][t] * normal[0][m] + normal[1][t] * normal[1][m] +
+          normal[2][t] * normal[2][m];
+      if (m != t) fold += stiffness[type[k][t]] * (1.0 - c) * (2.0 + c);
+    }
+
+    double edges = 0.0;
+    for (int k = 0; k < 3; k++) {
+      const double *p = atom->x[corner[k][t]], *q = atom->x[corner[(k + 1) % 3][t]];
+      for (int d = 0; d < 3; d++) edges += (q[d] - p[d]) * (q[d] - p[d]);
+    }
+    const double bound = fold * edges * inverse[t] * inverse[t];
+    for (int k = 0; k < 3; k++) sum[corner[k][t]] += bound;
+  }
+}
+
+/* ----------------------------------------------------------------------
    each link is seen from both of its triangles, half of its energy from each; of the whole,
    each of the four atoms of the dihedral has a quarter
 ------------------------------------------------------------------------- */

@@ -18,6 +18,7 @@ class DihedralSkinBend : public Dihedral {
   void read_restart(FILE *) override;
   void write_data(FILE *) override;
   double memory_usage() override;
+  void add_stiffness(double *) const;
 
  private:
   double *stiffness;

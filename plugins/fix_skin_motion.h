@@ -3,6 +3,10 @@
 
 #include "fix.h"
 
+#include "skin_stages.h"
+
+#include <vector>
+
 namespace LAMMPS_NS {
 
 class FixSkinMotion : public Fix {
@@ -11,21 +15,45 @@ class FixSkinMotion : public Fix {
   int setmask() override;
   void init() override;
   void initial_integrate(int) override;
+  int pack_reverse_comm(int, int, double *) override;
+  void unpack_reverse_comm(int, int *, double *) override;
   double compute_vector(int) override;
+  double memory_usage() override;
 
  private:
-  double largest_move;           // of any particle in one substep
-  bigint refined, substeps;      // steps that were divided, and into how many in all
+  SkinStages method;
+  double largest_move;           // of any particle in one part of a step, infinite without limit
+  double stiffness_limit;        // of a membrane particle that moves at full speed, or infinite
+  class FixSkinCells *cells;     // told the times of stages, if there is one
 
-  struct Fastest {
-    double force;
+  // one part of a step
+
+  std::vector<double> start, start_force, before;    // positions, forces; those two stages ago
+  std::vector<double> stiffness, mobility;           // of owned and ghost, of owned particles
+
+  // what happened since the fix was defined
+
+  bigint steps, divided, parts, evaluations;
+  bigint limited;            // particles with a lower mobility, summed over parts
+  double slowest;            // lowest mobility of any
+
+  struct Move {
+    double length;
     int rank;
   };
+  int offender;              // my particle that moved furthest, or -1
 
-  Fastest find_fastest(int &) const;
-  void move(double);
-  void evaluate_forces();
-  void unstable(const Fastest &, int, double) const;
+  void parse(int, char **);
+  double euler_part(double);
+  bool advance(double, double);
+  Move stage(const SkinStage &, double);
+  Move furthest(double);
+  void keep_start();
+  void restore_start(double);
+  void find_mobility();
+  void evaluate_forces(double);
+  void unstable(const Move &, double);
+  std::string largest_term(int, int);
 };
 
 }    // namespace LAMMPS_NS

@@ -99,7 +99,10 @@ def _variables(
     yield index("dump_interval", scene.output.dump_interval)
     yield index("checkpoint_interval", scene.output.checkpoint_interval)
     yield index("event_interval", scene.numerics.event_interval)
+    yield index("integrator", scene.numerics.integrator)
+    yield index("stages", scene.numerics.stages if scene.numerics.integrator != "euler" else 1)
     yield index("largest_move", scene.numerics.largest_move)
+    yield index("stiffness_limit", scene.numerics.stiffness_limit)
     yield index("running", 1)
     yield "\n# parts"
     yield index("has_dermis", int(scene.dermis.present))
@@ -161,6 +164,13 @@ def _numbered(terms: list[StyledTerm]) -> Iterator[str]:
     for name in names:
         seen[name] += 1
         yield f"{name} {seen[name]}" if total[name] > 1 else name
+
+
+def load_built(directory: Path) -> Scene:
+    """Scene of a directory that was built before."""
+    if not (directory / "skin.in").is_file():
+        raise SceneError(f"directory {directory}: holds no built scene (there is no skin.in)")
+    return Scene.load(directory / SCENE_FILE)
 
 
 def ghost_cutoff(scene: Scene, configuration: Configuration) -> float:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
-from lammps_skin import parameters
+from lammps_skin import accuracy, parameters
 from lammps_skin.errors import SceneError
 from lammps_skin.kinds import Kind
 
@@ -83,11 +83,21 @@ class Cells(Part):
 
 
 class Numerics(Part):
-    """How it is computed."""
+    """How it is computed. The level of accuracy gives the keys that are not given themselves."""
 
+    accuracy: Literal["reference", "balanced", "fast"] = accuracy.DEFAULT
+    integrator: Literal["euler", "rkl1", "rkl2"] = Field(
+        "euler", description="forward Euler, or Runge-Kutta-Legendre of order 1 or 2"
+    )
+    stages: Annotated[int, Field(ge=3, le=99)] = Field(
+        7, description="force evaluations in a step of rkl1 and rkl2"
+    )
     timestep: Positive = 0.01
     largest_move: NotNegative = Field(
         0.05, description="of any particle in one step; longer steps are divided; 0: never"
+    )
+    stiffness_limit: NotNegative = Field(
+        0.0, description="stiffer membrane particles move slower in proportion; 0: none"
     )
     pair_form: Literal["analytic", "table"] = Field(
         "analytic", description="of the terms that have a Lennard-Jones shape"
@@ -143,8 +153,12 @@ class Scene(Part):
         name = raw.get("parameters", parameters.DEFAULT)
         if not isinstance(name, str) or name not in parameters.SETS:
             raise SceneError(f"parameters = {name!r}: must be one of {', '.join(parameters.SETS)}")
+        numerics = raw.get("numerics")
+        level = numerics.get("accuracy") if isinstance(numerics, Mapping) else None
+        known = accuracy.LEVELS.get(level if isinstance(level, str) else accuracy.DEFAULT, {})
+        defaults = _merge(parameters.SETS[name], {"numerics": known})
         try:
-            scene = cls.model_validate(_as_tuples(_merge(parameters.SETS[name], raw)))
+            scene = cls.model_validate(_as_tuples(_merge(defaults, raw)))
         except ValidationError as error:
             raise SceneError(_first_line(cls, error)) from None
         scene._given = {**raw, "parameters": name}

