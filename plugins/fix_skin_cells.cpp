@@ -25,7 +25,7 @@ static const char *const KIND_NAMES[] = {"none", "stem", "ta", "exhausted", "nd"
 /* ---------------------------------------------------------------------- */
 
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), type_of_kind{}, membrane_type(0), contact(0.0), adhesion_stiffness(0.0),
+    Fix(lmp, narg, arg), seed(0), type_of_kind{}, membrane_type(0), contact(0.0), adhesion_stiffness(0.0),
     adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0), cycle_rate(0.0),
     first_phase(0.0), spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
     half_separation(0.0), generations(0), every(1), next_id(0), births(0), deaths(0), state{},
@@ -45,7 +45,7 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
   scalar_flag = 1;
   extscalar = 1;
   vector_flag = 1;
-  size_vector = NTERMS + 7;
+  size_vector = NTERMS + 8;
   extvector = 1;
   global_freq = 1;
 
@@ -100,7 +100,7 @@ void FixSkinCells::init()
   tagint highest = 0, highest_all;
   for (int i = 0; i < atom->nlocal; i++) highest = std::max(highest, atom->tag[i]);
   MPI_Allreduce(&highest, &highest_all, 1, MPI_LMP_TAGINT, MPI_MAX, world);
-  next_id = std::max(next_id, highest_all + 1);
+  next_id = std::max(next_id, (bigint) highest_all + 1);
 
   if (log_position >= 0) log.resume(log_position);
   else log.open();
@@ -235,24 +235,32 @@ void FixSkinCells::end_of_step()
 
 void FixSkinCells::write_restart(FILE *fp)
 {
+  // a restarted run counts its time from here: so does this one, or the two differ by rounding
+
+  update->update_time();
   if (comm->me != 0) return;
-  const double list[] = {(double) next_id, (double) births, (double) deaths,
-                         (double) log.sync()};
+
+  const double list[NSTORED] = {RESTART_FORMAT, (double) next_id, (double) births,
+                                (double) deaths, (double) log.sync()};
   const int size = sizeof(list);
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(list, 1, size, fp);
+  if (fwrite(&size, sizeof(int), 1, fp) != 1 || fwrite(list, size, 1, fp) != 1)
+    error->one(FLERR, "Fix skin/cells: cannot write to the restart file: {}",
+               utils::getsyserror());
 }
 
 /* ---------------------------------------------------------------------- */
 
 void FixSkinCells::restart(char *buf)
 {
-  double list[4];
+  double list[NSTORED];
+  std::memcpy(list, buf, sizeof(double));
+  if (list[0] != RESTART_FORMAT)
+    error->all(FLERR, "Fix skin/cells: the restart file was written by another version of this fix");
   std::memcpy(list, buf, sizeof(list));
-  next_id = (tagint) list[0];
-  births = (bigint) list[1];
-  deaths = (bigint) list[2];
-  log_position = (bigint) list[3];
+  next_id = (tagint) list[1];
+  births = (bigint) list[2];
+  deaths = (bigint) list[3];
+  log_position = (bigint) list[4];
 }
 
 /* ----------------------------------------------------------------------
@@ -268,7 +276,7 @@ double FixSkinCells::compute_scalar()
 
 /* ----------------------------------------------------------------------
    energies of adhesion, binding, division; numbers of stem, TA, exhausted and ND cells and of
-   dividing pairs; births and deaths since the start
+   dividing pairs; births and deaths since the start; the ID of the next newborn
 ------------------------------------------------------------------------- */
 
 double FixSkinCells::compute_vector(int n)
@@ -282,6 +290,7 @@ double FixSkinCells::compute_vector(int n)
   n -= NTERMS;
   if (n == 5) return (double) births;
   if (n == 6) return (double) deaths;
+  if (n == 7) return (double) next_id;
 
   refresh_state();
   int count = 0, count_all;

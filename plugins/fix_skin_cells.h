@@ -40,6 +40,8 @@ class FixSkinCells : public Fix {
   enum Kind { NONE, STEM, TA, EXHAUSTED, ND, NKINDS };
   enum Term { ADHESION, BINDING, DIVISION, NTERMS };
   static constexpr int NCOLUMNS = 8;    // of the per-atom array
+  static constexpr int NSTORED = 5;     // values in a restart file, of which the first is this:
+  static constexpr double RESTART_FORMAT = -1.0;
 
   // settings
 
@@ -58,7 +60,7 @@ class FixSkinCells : public Fix {
 
   // state
 
-  tagint next_id;
+  bigint next_id;    // of a newborn; may be one more than an ID can be
   bigint births, deaths;
   SkinCellState state;
   SkinEventLog log;

@@ -290,9 +290,10 @@ void FixSkinCells::hide_pair(int i)
 
 tagint FixSkinCells::new_id()
 {
-  if (next_id == MAXTAGINT)
-    error->all(FLERR, "Fix skin/cells: out of atom IDs, the largest is {}", MAXTAGINT);
-  return next_id++;
+  if (next_id > MAXTAGINT)
+    error->all(FLERR, "Fix skin/cells: out of atom IDs on step {}, the largest is {}",
+               update->ntimestep, MAXTAGINT);
+  return (tagint) next_id++;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -308,7 +309,7 @@ void FixSkinCells::give_birth(const std::vector<SkinCellEvent> &newborn)
   std::vector<int> types(n);
   std::vector<double> x(3 * n);
   for (int k = 0; k < n; k++) {
-    ids[k] = next_id - n + k;
+    ids[k] = (tagint) (next_id - n + k);
     types[k] = newborn[k].type;
     std::copy(newborn[k].x, newborn[k].x + 3, &x[3 * k]);
   }

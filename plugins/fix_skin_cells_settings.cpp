@@ -120,6 +120,12 @@ void FixSkinCells::parse(int narg, char **arg)
       const char *text = values(1)[0];
       every = utils::inumeric(FLERR, text, false, lmp);
       if (every < 1) error->all(FLERR, "Fix skin/cells every = {}: must be an integer >= 1", text);
+    } else if (keyword == "next_id") {
+      const char *text = values(1)[0];
+      next_id = utils::bnumeric(FLERR, text, false, lmp);
+      if (next_id < 1 || next_id > MAXTAGINT)
+        error->all(FLERR, "Fix skin/cells next_id = {}: must be an integer from 1 to {}", text,
+                   MAXTAGINT);
     } else if (keyword == "log") {
       log.set_file(values(1)[0]);
     } else {

@@ -5,7 +5,6 @@
 #include "utils.h"
 
 #include <cerrno>
-#include <cstring>
 #include <unistd.h>
 
 using namespace LAMMPS_NS;
@@ -16,7 +15,9 @@ static const char HEADER[] = "time,kind,id,parent,type,x,y,z,divisions_left,caus
 
 SkinEventLog::~SkinEventLog()
 {
-  if (fp) fclose(fp);
+  if (fp && fclose(fp) != 0)
+    error->warning(FLERR, "Fix skin/cells: cannot close the event log {}: {}", filename,
+                   utils::getsyserror());
 }
 
 /* ---------------------------------------------------------------------- */
@@ -84,5 +85,5 @@ void SkinEventLog::check(bool ok, const char *action)
 {
   if (!ok)
     error->one(FLERR, "Fix skin/cells: cannot {} the event log {}: {}", action, filename,
-               strerror(errno));
+               utils::getsyserror());
 }

@@ -11,7 +11,7 @@ namespace LAMMPS_NS {
 
 class SkinEventLog : protected Pointers {
  public:
-  SkinEventLog(class LAMMPS *lmp) : Pointers(lmp), fp(nullptr) {}
+  explicit SkinEventLog(class LAMMPS *lmp) : Pointers(lmp), fp(nullptr) {}
   ~SkinEventLog() override;
 
   void set_file(const char *name) { filename = name; }

@@ -41,8 +41,8 @@ class SkinNearest {
     tagint tag;
   };
 
-  int ncolumns[2];
-  double lo[2], width;
+  int ncolumns[2] = {0, 0};
+  double lo[2] = {0.0, 0.0}, width = 0.0;
   std::vector<int> first;             // first particle of each column, one entry more at the end
   std::vector<double> zlo, zhi;       // extent of each column's particles
   std::vector<Particle> particles;    // sorted by column

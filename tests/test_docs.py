@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from lammps_skin import parameters, potentials, terms
+from lammps_skin.accuracy import LEVELS
 from lammps_skin.build import SCRIPTS, build
 from lammps_skin.cli import app
 from lammps_skin.cli.options import scene_from
@@ -183,6 +184,14 @@ def test_keys_of_a_scene() -> None:
     assert table == {
         key: [value_of(default, key), allowed(schema)] for key, schema in fields(Scene).items()
     }
+
+
+def test_levels_of_accuracy() -> None:
+    scenes = [Scene.from_dict({"numerics": {"accuracy": level}}) for level in LEVELS]
+    table = rows(section("scene.md", "Accuracy"))
+    assert {row[0] for row in table} == {key for level in LEVELS.values() for key in level}
+    for key, *values in table:
+        assert values == [value_of(scene, f"numerics.{key}") for scene in scenes], key
 
 
 def test_parameter_sets() -> None:

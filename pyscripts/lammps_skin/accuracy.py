@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
-DEFAULT = "reference"
+Level = Literal["reference", "balanced", "fast"]
+
+DEFAULT_LEVEL: Level = "reference"
 
 LEVELS: dict[str, dict[str, Any]] = {
     "reference": {},
@@ -28,7 +30,7 @@ LEVELS: dict[str, dict[str, Any]] = {
     },
 }
 
-SUMMARIES = {
+SUMMARIES: dict[Level, str] = {
     "reference": "forward Euler with a timestep of 0.01",
     "balanced": "Runge-Kutta-Legendre steps of 0.5; the stiffest membrane particles move slower",
     "fast": "Runge-Kutta-Legendre steps of 1",

@@ -100,7 +100,7 @@ def _variables(
     yield index("checkpoint_interval", scene.output.checkpoint_interval)
     yield index("event_interval", scene.numerics.event_interval)
     yield index("integrator", scene.numerics.integrator)
-    yield index("stages", scene.numerics.stages if scene.numerics.integrator != "euler" else 1)
+    yield index("stages", scene.numerics.evaluations)
     yield index("largest_move", scene.numerics.largest_move)
     yield index("stiffness_limit", scene.numerics.stiffness_limit)
     yield index("running", 1)
@@ -148,6 +148,7 @@ def _cell_variables(scene: Scene, string: Any) -> Iterator[str]:
     yield string("generations", cells.generations)
     yield string("spring", *division_spring(scene))
     yield string("offset", cells.division_separation * cells.radius)
+    yield string("next_id", 1)
 
 
 def _collections(scene: Scene) -> list[str]:

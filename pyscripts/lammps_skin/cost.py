@@ -71,13 +71,14 @@ def estimate(scene: Scene, rates: Rates | None = None) -> Cost:
     times = np.linspace(0.0, scene.end_time, 201)
     cells = _cells(scene, times)
     particles = membrane + dermal + cells
-    step = (
+    forces = (
         rates.particle * particles
         + rates.dermal * dermal
         + rates.cell * cells
         + rates.link * 3 * membrane
-        + rates.rebuild * particles * _rebuilds(scene, cells) * scene.numerics.timestep
     )
+    rebuilds = _rebuilds(scene, cells) * scene.numerics.timestep
+    step = scene.numerics.evaluations * forces + rates.rebuild * particles * rebuilds
     return Cost(
         steps=steps,
         cells=float(cells[-1]),

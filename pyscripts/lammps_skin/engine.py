@@ -141,10 +141,26 @@ class Engine:
         return float(self._lammps.extract_global("dt"))
 
     def run_to(self, step: int) -> None:
-        """Advance to a step."""
+        """Advance to a step; where a run stops on its way leaves no trace in its results."""
         setup = "pre no" if self._continues else "pre yes"
+        since = self._counted_since()
+        values = [number.value for number in since]
         self._guard(self._lammps.command, f"run {step} upto {setup} post no")
+        for number, value in zip(since, values, strict=True):
+            number.value = value
         self._continues = True
+
+    def _counted_since(self) -> tuple[Any, ...]:
+        """LAMMPS' own time and step since which it counts steps to get the time.
+
+        It moves them at the end of every run, and the time is then another one by rounding.
+        """
+        address = self._lammps.lib.lammps_extract_global
+        address.restype = ctypes.c_void_p
+        return tuple(
+            kind.from_address(address(self._lammps.lmp, name))
+            for name, kind in ((b"atime", ctypes.c_double), (b"atimestep", ctypes.c_int64))
+        )
 
     def energies(self) -> dict[str, float]:
         """Energy of every term of the model, 0 for those that the scene does not have."""

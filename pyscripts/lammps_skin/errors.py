@@ -15,3 +15,7 @@ class ConfigurationError(SkinError):
 
 class SimulationError(SkinError):
     """A run that LAMMPS, or the watch over it, has stopped."""
+
+
+class FigureError(SkinError):
+    """A figure or snapshot that cannot be drawn from what is there."""

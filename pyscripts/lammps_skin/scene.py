@@ -10,7 +10,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
-from lammps_skin import accuracy, parameters
+from lammps_skin import parameters
+from lammps_skin.accuracy import DEFAULT_LEVEL, LEVELS, Level
 from lammps_skin.errors import SceneError
 from lammps_skin.kinds import Kind
 
@@ -85,7 +86,7 @@ class Cells(Part):
 class Numerics(Part):
     """How it is computed. The level of accuracy gives the keys that are not given themselves."""
 
-    accuracy: Literal["reference", "balanced", "fast"] = accuracy.DEFAULT
+    accuracy: Level = DEFAULT_LEVEL
     integrator: Literal["euler", "rkl1", "rkl2"] = Field(
         "euler", description="forward Euler, or Runge-Kutta-Legendre of order 1 or 2"
     )
@@ -108,6 +109,11 @@ class Numerics(Part):
         0.2, description="time between steps that handle births and removals; 0: every step"
     )
     neighbor_skin: Positive = 0.3
+
+    @property
+    def evaluations(self) -> int:
+        """Force evaluations in a step that is not divided."""
+        return 1 if self.integrator == "euler" else self.stages
 
 
 class Output(Part):
@@ -155,7 +161,7 @@ class Scene(Part):
             raise SceneError(f"parameters = {name!r}: must be one of {', '.join(parameters.SETS)}")
         numerics = raw.get("numerics")
         level = numerics.get("accuracy") if isinstance(numerics, Mapping) else None
-        known = accuracy.LEVELS.get(level if isinstance(level, str) else accuracy.DEFAULT, {})
+        known = LEVELS.get(level if isinstance(level, str) else DEFAULT_LEVEL, {})
         defaults = _merge(parameters.SETS[name], {"numerics": known})
         try:
             scene = cls.model_validate(_as_tuples(_merge(defaults, raw)))

@@ -8,13 +8,14 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from lammps_skin.build import SCENE_FILE, build
+from lammps_skin.build import build, load_built
 from lammps_skin.configuration import Configuration
 from lammps_skin.engine import FIX_TERMS, Cells, Engine, Forces
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.ranks import RankedEngine
 from lammps_skin.scene import Scene
 from lammps_skin.terms import pair_terms
+from lammps_skin.trajectory.recorder import Recorder
 
 Progress = Callable[[float, Any], None]
 
@@ -69,9 +70,10 @@ class Simulation:
         else:
             self.scene = scene
             build(scene, self.directory, configuration)
+        self._recorder = Recorder(self.directory, self.scene, variables or {})
         arguments = (
             self.directory, self.scene.kinds, present_terms(self.scene),
-            {**(variables or {}), "running": 0}, threads,
+            {**(variables or {}), "running": 0, "dump_interval": 0}, threads,
         )  # fmt: skip
         try:
             self._engine: Any = (
@@ -96,6 +98,7 @@ class Simulation:
         if self._engine is not None:
             self._engine.close()
             self._engine = None
+            self._recorder.close()
         if self._temporary:
             self._temporary.cleanup()
 
@@ -108,6 +111,9 @@ class Simulation:
         self, until: float | None = None, progress: Progress | None = None, every: float = 1.0
     ) -> None:
         """Advance to a time, by default the scene's end time.
+
+        The trajectory is written to skin.h5 on the way, at every multiple of the scene's
+        `output.dump_interval`.
 
         Parameters
         ----------
@@ -125,6 +131,7 @@ class Simulation:
             raise SimulationError(f"until = {end:g}: must be a time from {self.time:g} on")
         last = step + round((end - self.time) / timestep)
         piece = last - step if progress is None else max(round(every / timestep), 1)
+        self._recorder.record(engine)
         while step < last:
             step = min(step + piece, last)
             self._run_to(step)
@@ -133,9 +140,13 @@ class Simulation:
 
     def _run_to(self, step: int) -> None:
         """Advance; errors say from where, since unstable runs end in all kinds of them."""
-        since, timestep = self.time, self._running.timestep()
+        engine, since = self._running, self.time
+        timestep = engine.timestep()
         try:
-            self._running.run_to(step)
+            for stop in self._recorder.stops(engine, step):
+                engine.run_to(stop)
+                since = self.time
+                self._recorder.record(engine)
         except SimulationError as error:
             raise SimulationError(
                 f"{error} (after t = {since:g}, numerics.timestep = {timestep:g}; try "
@@ -185,13 +196,6 @@ def check_run(directory: Path, ranks: int, threads: int) -> None:
         raise SceneError(
             f"directory {str(directory)!r}: LAMMPS cannot read a path with {''.join(bad)!r} in it"
         )
-
-
-def load_built(directory: Path) -> Scene:
-    """Scene of a directory that was built before."""
-    if not (directory / "skin.in").is_file():
-        raise SceneError(f"directory {directory}: holds no built scene (there is no skin.in)")
-    return Scene.load(directory / SCENE_FILE)
 
 
 def start_time(directory: Path) -> float:

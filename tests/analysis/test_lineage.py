@@ -10,8 +10,10 @@ from lammps_skin.analysis.lineage import (
     founder_of,
     living,
     mixing,
+    read_events,
     turnover,
 )
+from lammps_skin.errors import SkinError
 
 # Founders 1, 2 and 3. 1 -> 4, 5; 4 -> 6; 6 -> 8; 2 -> 7; 3 has no child.
 # As in a run, the births of one step stand after its other events.
@@ -178,3 +180,24 @@ def test_mixing_without_a_value():
     assert np.isnan(mixing(np.empty((0, 3)), np.empty(0, int), BOX, 1.2))
     relatives = np.array([[0, 0, 0], [0.5, 0, 0], [6, 6, 0], [6.5, 6, 0]])
     assert mixing(relatives, np.array([1, 1, 2, 2]), BOX, 1.2) == 0
+
+
+def test_events_of_a_file(tmp_path, events):
+    path = tmp_path / "events.csv"
+    path.write_text(LOG)
+    for one, other in zip(read_events(path), events, strict=True):
+        np.testing.assert_array_equal(one, other)
+    path.write_text(LOG.rstrip("\n"))  # the last line may go on
+    assert len(read_events(path).time) == 9
+    path.write_text(LOG.splitlines(keepends=True)[0])
+    assert not len(read_events(path).time)
+
+
+@pytest.mark.parametrize("text", ["", "time,kind\n1,birth\n", LOG + "soon,birth,9,1,4,1,2,3,0,\n"])
+def test_what_is_no_event_log(tmp_path, text):
+    path = tmp_path / "events.csv"
+    path.write_text(text)
+    with pytest.raises(SkinError, match=r"event log .*events.csv: is not the events.csv"):
+        read_events(path)
+    with pytest.raises(SkinError, match="No such file"):
+        read_events(tmp_path / "other.csv")

@@ -90,8 +90,7 @@ def test_a_side_peak_belongs_to_its_papilla():
     box = (40.0, 60.0)
     one = find_papillae(height, box, prominence=1.0)
     assert one.height.tolist() == [4.0]
-    assert one.upper_half.max() == 0
-    assert (one.upper_half >= 0).sum() == (height > 2).sum()
+    assert one.half.tolist() == [2.0] and set(one.basin[height > 2]) == {0}
     assert one.width[0] == pytest.approx(2 * np.sqrt((height > 2).sum() * 1.5 / np.pi))
     two = find_papillae(height, box, prominence=0.5)
     assert two.height.tolist() == [4.0, 0.5]
@@ -109,39 +108,53 @@ def test_moving_the_membrane_through_the_edge_moves_the_tips_along():
         np.testing.assert_allclose(after, before, rtol=1e-12)
 
 
-def test_cells_on_tips():
+def test_positions_on_tips():
     height, box = bumpy()
     papillae = find_papillae(height, box, 0.5)
-    directions = np.array([[np.cos(angle), np.sin(angle)] for angle in np.arange(8)])
-    radius = HALF / 2 * WIDTHS[:, None, None]
-    inside = (PLACES[:, None] + (radius - 0.5) * directions).reshape(-1, 2)
-    outside = (PLACES[:, None] + (radius + 0.5) * directions).reshape(-1, 2)
-    assert on_tip(PLACES + np.array([3 * box[0], -box[1]]), papillae, box).all()
-    assert on_tip(inside, papillae, box).all()
-    assert not on_tip(outside, papillae, box).any()
+    top = 22.4 + AMPLITUDES
+    peaks = np.column_stack([PLACES, top])
+    moved = peaks + np.array([3 * box[0], -box[1], 0])
+    beside = peaks + np.column_stack([WIDTHS, 0 * WIDTHS, 0 * WIDTHS])
+    assert on_tip(peaks, papillae, box).all()
+    assert on_tip(moved, papillae, box).all()
+    assert on_tip(beside, papillae, box).all()
+    up, down = np.array([0, 0, 0.05]), np.array([0, 0, -0.05])
+    half = peaks - np.column_stack([0 * PLACES, AMPLITUDES / 2])
+    # the papillae end on a plain, to which they go down but for the overlap of two of them
+    assert on_tip(half + 2 * up, papillae, box).all()
+    assert not on_tip(half + 4 * down, papillae, box).any()
 
 
-def test_tip_fraction_against_the_hypergeometric_distribution():
+def test_nothing_is_on_a_tip_of_a_plain():
+    _, _, box = sheet(SHAPE, lambda x, y: 0 * x)
+    papillae = find_papillae(np.zeros((8, 8)), box, 0.5)
+    assert not on_tip(np.array([[1.0, 2.0, 100.0]]), papillae, box).any()
+
+
+def test_tip_fraction_against_drawn_cells():
     stem, others = np.arange(16) < 9, np.arange(200) < 60
-    found = tip_fraction(stem, others, resamples=20_000, seed=3)
-    exact = scipy.stats.hypergeom(200, 60, 16)
+    found = tip_fraction(stem, others)
+    random = np.random.default_rng(3)
+    drawn = np.array([random.permutation(others)[:16].mean() for _ in range(20_000)])
     assert found.fraction == 9 / 16
-    assert len(found.null) == 20_000
-    assert found.null.mean() == pytest.approx(0.3, abs=4 * exact.std() / 16 / np.sqrt(20_000))
-    assert found.null.std() == pytest.approx(exact.std() / 16, rel=0.03)
-    assert found.p_value == pytest.approx(exact.sf(8), rel=0.15)
-    again = tip_fraction(stem, others, resamples=20_000, seed=3)
-    assert again.p_value == found.p_value
-    assert not np.array_equal(tip_fraction(stem, others, 20_000, seed=4).null, found.null)
+    assert found.expected == 0.3
+    assert drawn.mean() == pytest.approx(0.3, abs=4 * found.sd / np.sqrt(20_000))
+    assert found.sd == pytest.approx(drawn.std(), rel=0.03)
+    assert found.z == (found.fraction - found.expected) / found.sd
+    assert found.p_value == pytest.approx((drawn >= 9 / 16).mean(), rel=0.15)
 
 
+@pytest.mark.filterwarnings("error")
 def test_tip_fraction_at_its_limits():
     none, yes, no = np.zeros(0, bool), np.ones(4, bool), np.zeros(9, bool)
-    assert tip_fraction(yes, no, resamples=99).p_value == 1 / 100
-    assert tip_fraction(np.zeros(4, bool), no, resamples=99).p_value == 1
+    assert tip_fraction(yes, no)[:3] == (1, 0, 0)
+    assert tip_fraction(yes, no).p_value == 0 and np.isnan(tip_fraction(yes, no).z)
+    assert tip_fraction(np.zeros(4, bool), no).p_value == 1
     few = tip_fraction(yes, no[:3])
-    assert few.fraction == 1 and not len(few.null) and np.isnan(few.p_value)
-    assert np.isnan(tip_fraction(none, no).fraction)
+    assert few.fraction == 1 and np.isnan(few[1:]).all()
+    assert np.isnan(tip_fraction(none, no)).all()
+    one = tip_fraction(yes[:1], yes[:1])
+    assert one[:3] == (1, 1, 0) and one.p_value == 1
 
 
 def test_skewness_has_the_sign_of_the_protuberances():

@@ -11,6 +11,8 @@ from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
 from lammps_skin.terms import division_spring
+from lammps_skin.trajectory.dump import write_dump
+from lammps_skin.trajectory.store import Store
 
 from tests.cells.conftest import (
     CONTACT,
@@ -234,6 +236,7 @@ def crowded_run(
     configuration = crowd(scene, across=5, amplitude=0.5, above=2.2)
     with Simulation(scene, directory, configuration, request.param) as simulation:
         simulation.run(until=30.0)
+        write_dump(directory / "skin.dump", Store(directory / "skin.h5"), scene.kinds)
         return directory, simulation.cells()
 
 

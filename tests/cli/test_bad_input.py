@@ -214,7 +214,7 @@ def test_command_line(arguments, refused, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"folder", "file"}
 
 
-@pytest.mark.parametrize("name", ["events.csv", "skin.dump"])
+@pytest.mark.parametrize("name", ["events.csv", "skin.dump", "skin.h5"])
 def test_results_are_not_overwritten(name, refused, tmp_path):
     (tmp_path / "x").mkdir()
     (tmp_path / "x" / name).write_text("precious")

@@ -17,6 +17,9 @@ from lammps_skin.kinds import Kind
 from lammps_skin.parameters import SETS
 from lammps_skin.scene import Scene
 from lammps_skin.scenes import BUILT_IN
+from lammps_skin.trajectory.store import Store
+
+from tests.trajectory.conftest import same
 
 SMALLEST = ("--set", "membrane.lattice=[12,14]")
 COMMANDS = ("scenes", "check", "build", "run", "evaluate")
@@ -145,14 +148,13 @@ def test_run_tells_what_happened_and_where_it_is(skin, tmp_path):
     events = [line.split(",")[1] for line in (directory / "events.csv").read_text().splitlines()]
     births, removals = events.count("birth"), events.count("death")
     assert births > 3 and removals > 0
-    last_frame = (directory / "skin.dump").read_text().split("ITEM: TIMESTEP")[-1]
-    types = [int(line.split()[1]) for line in last_frame.split("ITEM: ATOMS")[1].splitlines()[1:]]
-    names = {3: "stem", 4: "TA", 5: "exhausted"}
-    cells = ", ".join(f"{types.count(t)} {name}" for t, name in names.items() if t in types)
+    kinds = Store(directory / "skin.h5")[-1].kinds.tolist()
+    names = {Kind.STEM: "stem", Kind.TA: "TA", Kind.EXHAUSTED: "exhausted"}
+    cells = ", ".join(f"{kinds.count(k)} {name}" for k, name in names.items() if k in kinds)
     assert f"  {cells}; {births} births, {removals} removals\n" in answer.out
     assert "one-stem: reached t = 20," in answer.out
     assert "in runs/one-stem:" in answer.out
-    for name in ("events.csv", "skin.dump", "log.lammps"):
+    for name in ("events.csv", "skin.h5", "log.lammps"):
         assert re.search(rf"^  {name} ", answer.out, re.M)
 
 
@@ -169,7 +171,8 @@ def test_a_built_directory_runs_as_it_is(skin, tmp_path):
     skin("build", "one-stem", *short, "-o", "built")
     assert skin("run", "built", "--until", "0.3").code == 0
     assert skin("run", "one-stem", *short, "--until", "0.3", "-o", "direct").code == 0
-    assert Path("built/skin.dump").read_bytes() == Path("direct/skin.dump").read_bytes()
+    frames, others = (list(Store(f"{name}/skin.h5")) for name in ("built", "direct"))
+    assert len(frames) == 4 and all(map(same, frames, others))
     assert Scene.load("built/scene.toml").end_time == 200
 
 
@@ -198,14 +201,14 @@ def test_interrupted_run_ends_cleanly(tmp_path):
         command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )
     deadline = time.monotonic() + 60
-    while not (tmp_path / "x" / "skin.dump").exists() and time.monotonic() < deadline:
+    while not (tmp_path / "x" / "skin.h5").exists() and time.monotonic() < deadline:
         time.sleep(0.05)
     time.sleep(0.5)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=60)
     assert process.returncode == 130
     assert err == ""
-    assert "two-cells: interrupted at t = " in out and "skin.dump" in out
+    assert "two-cells: interrupted at t = " in out and "skin.h5" in out
     assert (tmp_path / "x" / "events.csv").read_text().startswith("time,kind,id")
 
 

@@ -1,28 +1,40 @@
-"""One small run with births, removals and changes of kind, and what the simulation said of it."""
+"""One small run with births, removals and changes of kind: by LAMMPS alone and driven by Python."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from dataclasses import fields
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 from lammps_skin import lattice
+from lammps_skin.build import build
 from lammps_skin.configuration import Configuration
 from lammps_skin.engine import Cells, Forces
 from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
 from lammps_skin.trajectory.convert import convert
-from lammps_skin.trajectory.dump import Frame, read_dump
+from lammps_skin.trajectory.dump import read_dump
+from lammps_skin.trajectory.frame import CELL_STATE, Frame
+from lammps_skin.trajectory.recorder import Recorder
+
+from tests.cells.conftest import lmp
 
 INTERVAL, FRAMES = 0.5, 24
 
 
 class Run(NamedTuple):
-    """A directory with skin.dump and skin.h5, and the truth at the time of every frame."""
+    """The same run twice, and the arrays of LAMMPS at the time of every frame.
+
+    In `directory`, plain lmp has written skin.dump and `convert` skin.h5; in `driven`, Python has
+    written skin.h5 on the way.
+    """
 
     directory: Path
+    driven: Path
     scene: Scene
     particles: list[Forces]
     cells: list[Cells]
@@ -61,16 +73,77 @@ def high_cells(scene: Scene) -> Configuration:
     )
 
 
+def same(frame: Frame, other: Frame) -> bool:
+    """Bit for bit, NaN being equal to itself."""
+    names = [field.name for field in fields(Frame) if field.name != "state"]
+    pairs = [(getattr(frame, name), getattr(other, name)) for name in names]
+    pairs += [(frame.state[name], other.state[name]) for name in CELL_STATE]
+    return all(np.array_equal(a, b, equal_nan=True) for a, b in pairs)
+
+
 @pytest.fixture(scope="session")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    directory = tmp_path_factory.mktemp("run")
+    directory, driven = (tmp_path_factory.mktemp(name) for name in ("by_lmp", "driven"))
     scene = small_scene()
+    build(scene, directory, high_cells(scene))
+    ended = lmp(directory, "-var", "end_time", str((FRAMES - 1) * INTERVAL))
+    assert ended.returncode == 0, ended.stdout
+    convert(directory)
     particles, cells = [], []
-    with Simulation(scene, directory, high_cells(scene)) as simulation:
+    with Simulation(scene, driven, high_cells(scene)) as simulation:
         for n in range(FRAMES):
-            if n:
-                simulation.run(until=n * INTERVAL)
+            simulation.run(until=n * INTERVAL)
             particles.append(simulation.forces())
             cells.append(simulation.cells())
-    convert(directory)
-    return Run(directory, scene, particles, cells, list(read_dump(directory / "skin.dump")))
+    frames = list(read_dump(directory / "skin.dump"))
+    return Run(directory, driven, scene, particles, cells, frames)
+
+
+class Replay:
+    """Stands in for LAMMPS: moments, which `advance` goes through."""
+
+    def __init__(self, moments: Iterable[tuple[Forces, Cells]]) -> None:
+        self._moments = iter(moments)
+        self._step = -round(INTERVAL / 0.01)
+        self.advance()
+
+    def advance(self) -> None:
+        self._step += round(INTERVAL / 0.01)
+        self._particles, self._cells = next(self._moments)
+
+    def step(self) -> int:
+        return self._step
+
+    def time(self) -> float:
+        return self._step * 0.01
+
+    def timestep(self) -> float:
+        return 0.01
+
+    def forces(self) -> Forces:
+        return self._particles
+
+    def cells(self) -> Cells:
+        return self._cells
+
+
+@pytest.fixture
+def built(run, tmp_path) -> Path:
+    """A built scene without results."""
+    build(run.scene, tmp_path / "built", high_cells(run.scene))
+    return tmp_path / "built"
+
+
+def equal(frames: Iterable[Frame], others: Iterable[Frame]) -> bool:
+    """As many, and bit for bit."""
+    return all(same(*pair) for pair in zip(frames, others, strict=True))
+
+
+def replay(run, recorder: Recorder) -> Iterator[int]:
+    """Record the moments of the run; number of frames after each."""
+    engine = Replay(zip(run.particles, run.cells, strict=True))
+    for n in range(1, FRAMES + 1):
+        recorder.record(engine)
+        yield n
+        if n < FRAMES:
+            engine.advance()

@@ -2,20 +2,21 @@
 
 import shutil
 import tracemalloc
-from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from lammps_skin.build import build
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
-from lammps_skin.trajectory.dump import ABSENT, CELL_STATE, Frame, read_dump
+from lammps_skin.trajectory.convert import convert
+from lammps_skin.trajectory.dump import Dump, read_dump
+from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, Frame
 
 from tests.cells.conftest import lmp
-from tests.trajectory.conftest import FRAMES, INTERVAL, Run, small_scene
+from tests.trajectory.conftest import FRAMES, INTERVAL, Run, same, small_scene
 
 KINDS = (Kind.MEMBRANE, Kind.STEM, Kind.TA, Kind.EXHAUSTED, Kind.ND)
 
@@ -38,15 +39,6 @@ def moved(block: bytes) -> bytes:
     words = rows.split(b" ", 5)
     words[4] = b"22.5"
     return head + columns + b" ".join(words)
-
-
-def same(frame: Frame, other: Frame) -> bool:
-    """Bit for bit, NaN being equal to itself."""
-
-    names = [field.name for field in fields(Frame) if field.name != "state"]
-    pairs = [(getattr(frame, name), getattr(other, name)) for name in names]
-    pairs += [(frame.state[name], other.state[name]) for name in CELL_STATE]
-    return all(np.array_equal(a, b, equal_nan=True) for a, b in pairs)
 
 
 def test_frames_are_those_of_the_simulation(run):
@@ -117,30 +109,41 @@ def test_a_frame_cut_off_before_the_run_was_resumed(run, tmp_path, left):
 
 def test_a_really_resumed_run(tmp_path):
     scene = small_scene().replace(**{"output.checkpoint_interval": 2.0})
-    with Simulation(scene, tmp_path) as simulation:
-        simulation.run(until=3.5)
-    restart = min(tmp_path.glob("skin.*.restart"), key=lambda file: file.stat().st_mtime_ns).name
-    ended = lmp(tmp_path, "-var", "restart", restart, "-var", "end_time", "5")
-    assert ended.returncode == 0, ended.stdout
-    written = (tmp_path / "skin.dump").read_text().count("ITEM: TIMESTEP")
-    found = list(read_dump(tmp_path / "skin.dump"))
+    ended = [run_lmp(scene, tmp_path / "twice", "-var", "end_time", "3.5")]
+    directory = tmp_path / "twice"
+    restart = min(directory.glob("skin.*.restart"), key=lambda file: file.stat().st_mtime_ns).name
+    ended.append(lmp(directory, "-var", "restart", restart, "-var", "end_time", "5"))
+    ended.append(run_lmp(scene, tmp_path / "once", "-var", "end_time", "5"))
+    assert all(one.returncode == 0 for one in ended), ended
+    found = list(read_dump(directory / "skin.dump"))
     assert [frame.step for frame in found] == list(range(0, 501, 50))
-    assert written == len(found) + 3
-    with Simulation(scene, tmp_path / "once") as simulation:
-        simulation.run(until=5.0)
+    assert (directory / "skin.dump").read_text().count("ITEM: TIMESTEP") == len(found) + 3
     for frame, other in zip(found, read_dump(tmp_path / "once" / "skin.dump"), strict=True):
         np.testing.assert_array_equal(frame.ids, other.ids)
         np.testing.assert_allclose(frame.positions, other.positions, atol=1e-9)
+    assert convert(directory)[1:] == (len(found), max(int(f.ids.max()) for f in found))
+
+
+def run_lmp(scene, directory, *arguments):
+    build(scene, directory)
+    return lmp(directory, *arguments)
 
 
 def test_a_scene_without_cells(tmp_path):
-    scene = Scene.load("bare-membrane").replace(**{"output.dump_interval": 0.1})
-    with Simulation(scene.replace(**{"membrane.lattice": [12, 14]}), tmp_path) as simulation:
-        simulation.run(until=0.2)
+    changes = {"output.dump_interval": 0.1, "membrane.lattice": [12, 14]}
+    run_lmp(Scene.load("bare-membrane").replace(**changes), tmp_path, "-var", "end_time", "0.2")
     found = list(read_dump(tmp_path / "skin.dump"))
     assert len(found) == 3
     assert (found[2].kinds == Kind.MEMBRANE).all() and found[2].positions.shape == (168, 3)
     assert (found[2].state["partner"] == ABSENT).all()
+
+
+def test_frames_in_any_order(run):
+    dump = Dump(run.directory / "skin.dump")
+    assert dump.steps == [frame.step for frame in run.frames]
+    assert dump.slots == max(int(frame.ids.max()) for frame in run.frames)
+    for n in (5, 0, len(dump) - 1, 3):
+        assert same(dump[n], run.frames[n])
 
 
 def test_memory_does_not_grow_with_the_number_of_frames(run, tmp_path):

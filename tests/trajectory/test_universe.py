@@ -1,6 +1,8 @@
 """The trajectory in MDAnalysis is right in every frame, in whatever order they are read."""
 
+import os
 import pickle
+import shutil
 
 import MDAnalysis
 import numpy as np
@@ -8,8 +10,8 @@ import pytest
 from lammps_skin import lattice
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.trajectory.dump import CELL_STATE
-from lammps_skin.trajectory.universe import open_trajectory
+from lammps_skin.trajectory.frame import CELL_STATE
+from lammps_skin.trajectory.universe import follow_frames, open_trajectory
 
 ORDERS = {
     "forward": lambda n: range(n),
@@ -18,9 +20,16 @@ ORDERS = {
 }
 
 
-@pytest.fixture
-def universe(run):
-    return open_trajectory(run.directory / "skin.h5")
+SOURCES = {
+    "converted": lambda run: run.directory / "skin.h5",
+    "dump": lambda run: run.directory / "skin.dump",
+    "driven": lambda run: run.driven / "skin.h5",
+}
+
+
+@pytest.fixture(params=SOURCES)
+def universe(run, request):
+    return open_trajectory(SOURCES[request.param](run))
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -39,6 +48,8 @@ def test_selections_are_right_in_every_frame(run, universe, order):
             np.testing.assert_array_equal(group.ids, particles.ids[particles.types == kind])
         np.testing.assert_array_equal(able.ids, told.ids[told.divisions_left > 0])
         np.testing.assert_array_equal(living.positions, particles.positions.astype(np.float32))
+        exact = universe.trajectory.ts.data["position"][living.ix]
+        np.testing.assert_array_equal(exact, particles.positions)
         np.testing.assert_array_equal(living.types.astype(int), particles.types)
         for name in CELL_STATE:
             truth = getattr(told, name)
@@ -92,6 +103,40 @@ def test_plain_reader_of_mdanalysis_opens_it(run):
     for ts, frame in zip(plain.trajectory, run.frames, strict=True):
         places = ts.positions[frame.ids - 1]
         np.testing.assert_array_equal(places, frame.positions.astype(np.float32))
+
+
+def test_the_readers_give_the_same(run):
+    """Of the dump and of HDF5, all arrays in all frames."""
+    universes = [open_trajectory(source(run)) for source in SOURCES.values()]
+    for moments in zip(*(u.trajectory for u in universes), strict=True):
+        first, *others = moments
+        for other in others:
+            assert first.data.keys() == other.data.keys()
+            for name, values in first.data.items():
+                np.testing.assert_array_equal(values, other.data[name], err_msg=name)
+            np.testing.assert_array_equal(first.positions, other.positions)
+
+
+@pytest.mark.filterwarnings("ignore:there is no reference attributes")
+@pytest.mark.parametrize(("name", "form"), [("skin.dump", "SKINDUMP"), ("skin.h5", "SKIN")])
+def test_formats_are_registered(run, name, form):
+    """A plain Universe has no attribute of a frame until it follows the frames."""
+    path = str(run.directory / name)
+    plain = MDAnalysis.Universe(path, format=form, topology_format=form)
+    with pytest.raises(MDAnalysis.NoDataError, match="alive"):
+        plain.select_atoms("alive 1")
+    follow_frames(plain)
+    stem = plain.select_atoms("alive 1 and type 3", updating=True)
+    for _, told in zip(plain.trajectory, run.cells, strict=True):
+        np.testing.assert_array_equal(stem.ids, told.ids[told.types == Kind.STEM])
+
+
+def test_a_directory_is_opened_at_the_file_written_last(run, tmp_path):
+    shutil.copytree(run.directory, tmp_path, dirs_exist_ok=True)
+    for newer, older in (("skin.h5", "skin.dump"), ("skin.dump", "skin.h5")):
+        os.utime(tmp_path / older, (1, 1))
+        os.utime(tmp_path / newer, (2, 2))
+        assert open_trajectory(tmp_path).trajectory.filename == str(tmp_path / newer)
 
 
 def test_other_files_are_refused(tmp_path):

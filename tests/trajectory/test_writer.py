@@ -16,7 +16,7 @@ from lammps_skin.scene import Scene
 from lammps_skin.trajectory import writer
 from lammps_skin.trajectory import writer as writer_module
 from lammps_skin.trajectory.convert import convert
-from lammps_skin.trajectory.dump import CELL_STATE
+from lammps_skin.trajectory.frame import CELL_STATE
 from lammps_skin.trajectory.writer import TrajectoryWriter, source_commit
 
 NONE = np.empty((0, 2), int)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lammps_skin.analysis.geometry import Bools, Box, Floats, Ints, nearest
+from lammps_skin.analysis.geometry import Bools, Box, Floats, Ints, periodic_tree
 from lammps_skin.kinds import CELLS, Kind
 
 
@@ -28,7 +28,8 @@ def covered(membrane: Floats, cells: Floats, box: Box, reach: float) -> Bools:
     (n,) array of bool
         Distances are straight, so a cell may also cover an adjacent fold.
     """
-    _, distance = nearest(membrane, cells, box)
+    farthest = np.nextafter(reach, np.inf)  # the search leaves out what is as far as its bound
+    distance, _ = periodic_tree(cells, box).query(membrane, distance_upper_bound=farthest)
     return np.asarray(distance <= reach)
 
 

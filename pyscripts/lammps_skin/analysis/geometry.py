@@ -20,7 +20,8 @@ def minimum_image(vectors: Floats, box: Box | None) -> Floats:
         return vectors
     sides = np.asarray(box, float)[:2]
     shortest = np.array(vectors, float)
-    shortest[..., :2] -= sides * np.round(shortest[..., :2] / sides)
+    for axis, side in enumerate(sides):
+        shortest[..., axis] -= side * np.rint(shortest[..., axis] / side)
     return shortest
 
 

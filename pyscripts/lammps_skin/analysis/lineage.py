@@ -5,13 +5,18 @@ A clone is a cell of the initial state (its founder) and all its descendants.
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_skin.analysis.geometry import Box, Floats, Ints, periodic_tree
+from lammps_skin.errors import SkinError
+
+COLUMNS = ("time", "kind", "id", "parent", "type", "x", "y", "z", "divisions_left", "cause")
 
 
 class Events(NamedTuple):
@@ -78,6 +83,29 @@ class Turnover(NamedTuple):
 
     births: Ints
     removals: Ints
+
+
+def read_events(path: str | Path) -> Events:
+    """Events of an events.csv, also of a run that has not ended.
+
+    A last line that is not complete is left out.
+
+    Raises
+    ------
+    SkinError
+        If there is no such file, or if it is no event log.
+    """
+    try:
+        lines = Path(path).read_text("utf-8").splitlines(keepends=True)
+        whole = [line for line in lines if line.endswith("\n")]
+        rows = csv.DictReader(whole)
+        if whole and tuple(rows.fieldnames or ()) == COLUMNS:
+            return Events.from_rows(rows)
+    except OSError as error:
+        raise SkinError(f"event log {path}: {error.strerror}") from None
+    except (ValueError, TypeError):  # of what stands in the columns
+        pass
+    raise SkinError(f"event log {path}: is not the events.csv of a run")
 
 
 def founder_of(ids: Ints, events: Events) -> Ints:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import hypergeom
 
 from lammps_skin.analysis.geometry import Bools, Box, Floats, Ints, periodic_tree
 from lammps_skin.analysis.topography import Peaks, peaks
@@ -24,34 +26,41 @@ class Papillae(NamedTuple):
         Diameter of the circle with the area of the upper half, length.
     spacing : (p,) array
         Distance in the x-y plane to the nearest other tip, NaN for a single papilla.
-    upper_half : (g_x, g_y) array of int
-        At each grid node, the papilla in whose upper half it lies (in its basin and above half
-        of its prominence), or -1.
+    half : (p,) array
+        Height z of the tip less half of the prominence: what is above is the upper half.
+    basin : (g_x, g_y) array of int
+        At each grid node, the papilla to whose tip, or to a minor peak of it, steepest ascent
+        leads, or -1.
     """
 
     tip: Floats
     height: Floats
     width: Floats
     spacing: Floats
-    upper_half: Ints
+    half: Floats
+    basin: Ints
 
 
 class TipFraction(NamedTuple):
-    """Fraction of chosen cells on tips, against other cells drawn at random.
+    """Fraction of chosen cells on tips, against as many cells drawn at random from others.
 
     Attributes
     ----------
     fraction : float
         NaN without chosen cells.
-    null : (r,) array
-        Fractions of as many cells drawn from the others; empty if the others are too few.
+    expected, sd : float
+        Mean and standard deviation of the fraction of cells drawn; NaN if the others are fewer
+        than the chosen.
+    z : float
+        (fraction - expected)/sd; NaN also where all draws are alike.
     p_value : float
-        Probability of a null fraction at least as large, (1 + number) / (1 + r); NaN without
-        null.
+        Probability of a fraction at least as large among cells drawn.
     """
 
     fraction: float
-    null: Floats
+    expected: float
+    sd: float
+    z: float
     p_value: float
 
 
@@ -84,32 +93,39 @@ def find_papillae(height: Floats, box: Box, prominence: float) -> Papillae:
     found = peaks(height)
     rises = found.height - found.saddle
     high = np.flatnonzero(rises >= prominence)
-    level = (found.height - rises / 2)[high]
+    half = (found.height - rises / 2)[high]
 
-    papilla = _papilla_of(found, high)[found.basin]
-    upper_half = np.where(
-        (papilla >= 0) & (height > np.append(level, np.inf)[papilla]), papilla, -1
-    )
+    basin = _papilla_of(found, high)[found.basin]
+    upper = basin[height > np.append(half, np.inf)[basin]]
     sides = np.asarray(box, float)[:2]
     steps = sides / height.shape
-    area = np.bincount(upper_half[upper_half >= 0], minlength=len(high)) * steps.prod()
+    area = np.bincount(upper, minlength=len(high)) * steps.prod()
     nodes = np.stack(np.unravel_index(found.node[high], height.shape), axis=1)
     tip = np.column_stack([nodes * steps, found.height[high]])
-    return Papillae(tip, rises[high], 2 * np.sqrt(area / np.pi), _spacing(tip, box), upper_half)
+    width = 2 * np.sqrt(area / np.pi)
+    return Papillae(tip, rises[high], width, _spacing(tip, box), half, basin)
 
 
 def on_tip(positions: Floats, papillae: Papillae, box: Box) -> Bools:
-    """Which positions (c, 2 or 3) lie in the upper half of a papilla, seen from above: (c,)."""
-    shape = np.array(papillae.upper_half.shape)
+    """Which positions (c, 3) of a membrane are on a tip: (c,).
+
+    On a tip is what lies above the half of the papilla in whose basin it is, seen from above.
+    A cell is where the membrane particle nearest to it is: beside a narrow papilla it may adhere
+    to its tip.
+    """
+    shape = np.array(papillae.basin.shape)
     steps = np.asarray(box, float)[:2] / shape
     i, j = (np.round(positions[:, :2] / steps).astype(np.int64) % shape).T
-    return np.asarray(papillae.upper_half[i, j] >= 0)
+    half = np.append(papillae.half, np.inf)  # the last is for -1
+    return np.asarray(positions[:, 2] > half[papillae.basin[i, j]])
 
 
-def tip_fraction(
-    chosen: Bools, others: Bools, resamples: int = 10_000, seed: int = 1
-) -> TipFraction:
+def tip_fraction(chosen: Bools, others: Bools) -> TipFraction:
     """Fraction of chosen cells (stem) on tips, and its null distribution from others (TA).
+
+    The number on tips of c cells drawn from o without replacement is hypergeometric, so the
+    null distribution is exact. Cells count as independent: where relatives sit together on one
+    tip, the fractions that occur by chance spread wider.
 
     Parameters
     ----------
@@ -117,18 +133,16 @@ def tip_fraction(
         Which of the chosen cells are on a tip, from `on_tip`.
     others : (o,) array of bool
         The same of the cells that stand for no preference.
-    resamples : int
-        Number of draws of c of the others, without replacement. Cells count as independent:
-        where relatives sit together on one tip, the null is wider than drawn.
-    seed : int
     """
     c, o, tips = len(chosen), len(others), int(others.sum())
     fraction = float(chosen.mean()) if c else np.nan
     if not 0 < c <= o:
-        return TipFraction(fraction, np.empty(0), np.nan)
-    drawn = np.random.default_rng(seed).hypergeometric(tips, o - tips, c, resamples)
-    p_value = (1 + int((drawn >= chosen.sum()).sum())) / (1 + resamples)
-    return TipFraction(fraction, drawn / c, p_value)
+        return TipFraction(fraction, np.nan, np.nan, np.nan, np.nan)
+    expected = tips / o
+    sd = float(np.sqrt(expected * (1 - expected) * (o - c) / (c * max(o - 1, 1))))
+    z = (fraction - expected) / sd if sd > 0 else np.nan
+    p_value = float(hypergeom.sf(int(chosen.sum()) - 1, o, tips, c))
+    return TipFraction(fraction, expected, sd, z, p_value)
 
 
 def blocks(height: Floats, per_side: int) -> list[Floats]:
@@ -160,15 +174,27 @@ def skewness(
         the interval is NaN for a single group.
     """
     middle = np.concatenate(groups).mean()
-    powers = np.array([[np.sum((z - middle) ** k) for k in range(4)] for z in groups])
+    powers = np.array([_power_sums(z - middle) for z in groups])
     value = float(_skewness_of(powers.sum(axis=0)))
     if len(groups) < 2:
         return Skewness(value, np.nan, np.nan)
-    random = np.random.default_rng(seed)
-    times_drawn = random.multinomial(len(groups), [1 / len(groups)] * len(groups), resamples)
     tail = (1 - confidence) / 2
-    low, high = np.quantile(_skewness_of(times_drawn @ powers), [tail, 1 - tail])
+    drawn = _skewness_of(_times_drawn(len(groups), resamples, seed) @ powers)
+    low, high = np.quantile(drawn, [tail, 1 - tail])
     return Skewness(value, float(low), float(high))
+
+
+@cache
+def _times_drawn(groups: int, resamples: int, seed: int) -> Floats:
+    """How often (resamples, groups) each group is drawn, the same in every frame."""
+    random = np.random.default_rng(seed)
+    return random.multinomial(groups, [1 / groups] * groups, resamples).astype(float)
+
+
+def _power_sums(values: Floats) -> tuple[float, float, float, float]:
+    """Sums of the powers 0 to 3."""
+    squares = values * values
+    return float(len(values)), float(values.sum()), float(squares.sum()), float(squares @ values)
 
 
 def _skewness_of(powers: Floats) -> Floats:

@@ -38,20 +38,22 @@ def height_field(positions: Floats, triangles: Ints, box: Box, spacing: float) -
     """
     sides = np.asarray(box, float)[:2]
     shape = np.maximum(np.round(sides / spacing), 1).astype(np.int64)
+    steps = sides / shape
     a, b, c = (positions[corner] for corner in triangles.T)
     ab, ac = minimum_image(b - a, box), minimum_image(c - a, box)
-    triangle, node = _candidates(a, ab, ac, sides / shape)
+    triangle, node_x, node_y = _candidates(a, ab, ac, steps)
 
-    a, ab, ac = a[triangle], ab[triangle], ac[triangle]
-    to_node = node * (sides / shape) - a[:, :2]
+    # columns: x, y, z of the corner a and of the edges from it
+    corner, ab, ac = a[triangle].T, ab[triangle].T, ac[triangle].T
+    to_node = node_x * steps[0] - corner[0], node_y * steps[1] - corner[1]
     projected = _cross(ab, ac)
     with np.errstate(divide="ignore", invalid="ignore"):
         u, v = _cross(to_node, ac) / projected, _cross(ab, to_node) / projected
     inside = (u >= -EDGE_TOLERANCE) & (v >= -EDGE_TOLERANCE) & (u + v <= 1 + EDGE_TOLERANCE)
 
     height = np.full(shape, -np.inf)
-    i, j = (node[inside] % shape).T
-    z = a[inside, 2] + u[inside] * ab[inside, 2] + v[inside] * ac[inside, 2]
+    i, j = node_x[inside] % shape[0], node_y[inside] % shape[1]
+    z = (corner[2] + u * ab[2] + v * ac[2])[inside]
     np.maximum.at(height, (i, j), z)
     if not np.isfinite(height).all():
         raise ValueError(
@@ -70,19 +72,23 @@ def smooth(height: Floats, box: Box, length: float) -> Floats:
     return np.asarray(gaussian_filter(height, nodes, mode="wrap"), np.float64)
 
 
-def _candidates(a: Floats, ab: Floats, ac: Floats, steps: Floats) -> tuple[Ints, Ints]:
-    """Nodes in the bounding rectangle of each triangle: triangle (k,) and node (k, 2)."""
-    corners = np.stack([a[:, :2], (a + ab)[:, :2], (a + ac)[:, :2]]) / steps
-    first = np.ceil(corners.min(axis=0) - EDGE_TOLERANCE).astype(np.int64)
-    last = np.floor(corners.max(axis=0) + EDGE_TOLERANCE).astype(np.int64)
-    wide, deep = np.maximum(last - first + 1, 0).T
+def _candidates(a: Floats, ab: Floats, ac: Floats, steps: Floats) -> tuple[Ints, Ints, Ints]:
+    """Nodes in the bounding rectangle of each triangle: triangle (k,), node in x and in y (k,)."""
+    first, last = [], []
+    for axis in (0, 1):
+        corners = a[:, axis], a[:, axis] + ab[:, axis], a[:, axis] + ac[:, axis]
+        lowest = np.minimum(np.minimum(corners[0], corners[1]), corners[2])
+        highest = np.maximum(np.maximum(corners[0], corners[1]), corners[2])
+        first.append(np.ceil(lowest / steps[axis] - EDGE_TOLERANCE).astype(np.int64))
+        last.append(np.floor(highest / steps[axis] + EDGE_TOLERANCE).astype(np.int64))
+    wide, deep = (np.maximum(b - a + 1, 0) for a, b in zip(first, last, strict=True))
     count = wide * deep
     triangle = np.repeat(np.arange(len(a)), count)
     number = np.arange(len(triangle)) - np.repeat(np.cumsum(count) - count, count)
-    offset = np.stack(np.divmod(number, deep[triangle]), axis=1)
-    return triangle, first[triangle] + offset
+    in_x, in_y = np.divmod(number, deep[triangle])
+    return triangle, first[0][triangle] + in_x, first[1][triangle] + in_y
 
 
-def _cross(u: Floats, v: Floats) -> Floats:
+def _cross(u: Floats | tuple[Floats, Floats], v: Floats | tuple[Floats, Floats]) -> Floats:
     """z component of the vector product of the projections on the x-y plane."""
-    return u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    return u[0] * v[1] - u[1] * v[0]

@@ -95,16 +95,26 @@ def _passes(height: Floats, basin: Ints, boxes: Ints) -> list[tuple[float, int, 
         boxes_there, basin_there = boxes.reshape(-1, 2)[there], basin.ravel()[there]
         shift = crossed + boxes_there - boxes
         apart = (basin != basin_there) | shift.any(axis=-1)
-        passing = np.minimum(height, height.ravel()[there])
-        found.append(
-            np.column_stack([-passing[apart], basin[apart], basin_there[apart], shift[apart]])
-        )
-    rows = np.concatenate(found)
-    swapped = rows[:, 1] > rows[:, 2]
-    rows[swapped] = rows[swapped][:, [0, 2, 1, 3, 4]] * [1, 1, 1, -1, -1]
-    rows = rows[np.argsort(rows[:, 0], kind="stable")]
-    _, first = np.unique(rows[:, 1:], axis=0, return_index=True)
-    return [(-z, int(a), int(b), (int(x), int(y))) for z, a, b, x, y in rows[np.sort(first)]]
+        passing = np.minimum(height[apart], height.ravel()[there[apart]])
+        found.append((passing, basin[apart], basin_there[apart], *shift[apart].T))
+    z, a, b, x, y = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    swapped = a > b
+    a, b = np.minimum(a, b), np.maximum(a, b)
+    x, y = np.where(swapped, -x, x), np.where(swapped, -y, y)
+    order = np.argsort(-z, kind="stable")
+    _, first = np.unique(_numbered(a, b, x, y)[order], return_index=True)
+    highest = order[np.sort(first)]
+    columns = (column[highest].tolist() for column in (z, a, b, x, y))
+    return [(z, a, b, (x, y)) for z, a, b, x, y in zip(*columns, strict=True)]
+
+
+def _numbered(*columns: Ints) -> Ints:
+    """A whole number (k,) for each row of columns (k,), the same for the same row alone."""
+    number = np.zeros(len(columns[0]), np.int64)
+    for column in columns:
+        least, most = column.min(initial=0), column.max(initial=0)
+        number = number * (most - least + 1) + column - least
+    return number
 
 
 def _flood(n: int, passes: list[tuple[float, int, int, Shift]]) -> tuple[Floats, Ints]:

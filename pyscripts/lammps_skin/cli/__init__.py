@@ -11,9 +11,14 @@ from typer.exceptions import TyperException
 from lammps_skin.cli.build import build
 from lammps_skin.cli.check import check
 from lammps_skin.cli.convert import convert
+from lammps_skin.cli.ensemble import ensemble
 from lammps_skin.cli.evaluate import evaluate
+from lammps_skin.cli.export import export
+from lammps_skin.cli.figure import figure
 from lammps_skin.cli.run import run
 from lammps_skin.cli.scenes import scenes
+from lammps_skin.cli.snapshot import snapshot
+from lammps_skin.cli.stats import stats
 from lammps_skin.errors import SkinError
 
 app = typer.Typer(
@@ -22,7 +27,9 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for command in (scenes, check, build, run, convert, evaluate):
+for command in (
+    scenes, check, build, run, convert, export, evaluate, stats, ensemble, snapshot, figure
+):  # fmt: skip
     app.command()(command)
 
 

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from lammps_skin import cost
 from lammps_skin.arrangements import place_cells
-from lammps_skin.cli.options import Parameters, Settings, Source, console, scene_from
+from lammps_skin.cli.options import Parameters, Settings, Source, console, duration, scene_from
 from lammps_skin.configuration import check_sizes
 from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
@@ -122,12 +122,4 @@ def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
     yield "step at the start", f"{expected.first_step * 1e3:.3g} ms expected"
     if measured:
         yield "", f"{measured * 1e3:.3g} ms measured"
-    yield "the whole run", f"about {_duration(factor * expected.seconds)}"
-
-
-def _duration(seconds: float) -> str:
-    """Seconds in the unit in which they are read most easily."""
-    for limit, unit, name in ((120, 1, "s"), (7200, 60, "min"), (172_800, 3600, "h")):
-        if seconds < limit:
-            return f"{seconds / unit:.3g} {name}"
-    return f"{seconds / 86_400:.3g} days"
+    yield "the whole run", f"about {duration(factor * expected.seconds)}"

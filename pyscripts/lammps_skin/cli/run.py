@@ -9,19 +9,21 @@ from typing import Annotated
 
 import typer
 
+from lammps_skin.build import load_built
 from lammps_skin.cli.journey import Journey
 from lammps_skin.cli.options import Parameters, Settings, console, scene_from
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.scene import Scene
 from lammps_skin.scenes import BUILT_IN
-from lammps_skin.simulation import Simulation, check_run, load_built, start_time
+from lammps_skin.simulation import Simulation, check_run, start_time
 
 FILES = {
     "events.csv": "births, ends of divisions, removals",
-    "skin.dump": "trajectory",
+    "skin.h5": "trajectory",
     "log.lammps": "energies by term and numbers of cells against time",
 }
+RESULTS = ("events.csv", "skin.h5", "skin.dump")
 RESTARTS = "skin.*.restart"
 INTERRUPTED = 130
 
@@ -47,7 +49,7 @@ def run(
     """Run a scene, or a directory that `skin build` has made."""
     scene, directory = _what_and_where(source, output, parameters, settings)
     check_run(directory, ranks, threads)
-    if any((directory / name).exists() for name in ("events.csv", "skin.dump")) and not force:
+    if any((directory / name).exists() for name in RESULTS) and not force:
         raise SceneError(f"directory {directory}: holds results of a run; --force replaces them")
     if until is not None:
         scene = _shortened(scene, directory, until)
@@ -100,8 +102,8 @@ def _what_and_where(
 
 
 def _remove_results(directory: Path) -> None:
-    for path in [*(directory / name for name in (*FILES, "skin.h5")), *directory.glob(RESTARTS)]:
-        if path.exists():
+    for pattern in (*FILES, *RESULTS, RESTARTS, "skin.h5.*"):
+        for path in directory.glob(pattern):
             path.unlink()
 
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-
+from lammps_skin.build import load_built
 from lammps_skin.errors import SkinError
-from lammps_skin.simulation import load_built
-from lammps_skin.trajectory.dump import Ints, read_dump
-from lammps_skin.trajectory.writer import TrajectoryWriter
+from lammps_skin.trajectory.connectivity import connectivity
+from lammps_skin.trajectory.dump import Dump
+from lammps_skin.trajectory.store import DUMP, STORE, Store, trajectory_of
+from lammps_skin.trajectory.writer import TrajectoryWriter, reason
 
 
 class Converted(NamedTuple):
@@ -24,6 +25,9 @@ class Converted(NamedTuple):
 def convert(directory: str | Path, output: str | Path | None = None) -> Converted:
     """Write the trajectory of a run as HDF5, see docs/trajectory.md.
 
+    If a run that Python drove was resumed with `lmp`, skin.h5 has the frames before the dump's
+    first, and they are kept.
+
     Parameters
     ----------
     directory : path
@@ -31,50 +35,48 @@ def convert(directory: str | Path, output: str | Path | None = None) -> Converte
     output : path, optional
         The file to write, skin.h5 in the directory if not given. It is replaced when the new
         one is complete.
+
+    Raises
+    ------
+    SkinError
+        For a directory without a dump, and if skin.h5 has gone on after it.
     """
     directory = Path(directory)
-    output = Path(output or directory / "skin.h5")
+    output = Path(output or directory / STORE)
     part = output.with_name(output.name + ".part")
     scene = load_built(directory)
-    links = _section(directory / "skin.data", "Bonds")
-    hinges = _section(directory / "skin.data", "Dihedrals").reshape(-1, 4)
+    dump = Dump(directory / DUMP, scene.kinds)
+    if not len(dump):
+        raise SkinError(f"trajectory {dump.path}: holds no complete frame")
+    earlier = _earlier(directory, dump, replacing=output == directory / STORE)
     try:
-        with TrajectoryWriter(part, scene, links.reshape(-1, 2), _triangles(hinges)) as writer:
-            for frame in read_dump(directory / "skin.dump", scene.kinds):
+        if earlier:
+            shutil.copyfile(directory / STORE, part)
+            writer = TrajectoryWriter.append(part, until=dump.steps[0] - 1)
+        else:
+            writer = TrajectoryWriter(part, scene, *connectivity(directory))
+        with writer:
+            for frame in dump:
                 writer.write(frame)
-        if not writer.frames:
-            raise SkinError(f"trajectory {directory / 'skin.dump'}: holds no complete frame")
         part.replace(output)
     except OSError as error:
-        raise SkinError(f"output {output}: {error.strerror or error}") from None
+        raise SkinError(f"output {output}: {reason(error)}") from None
     finally:
         part.unlink(missing_ok=True)
     return Converted(output, writer.frames, writer.slots)
 
 
-def _section(path: Path, title: str) -> Ints:
-    """Ids in a section of a data file, without the number and the type of each line."""
-    rows: list[list[int]] = []
+def _earlier(directory: Path, dump: Dump, replacing: bool) -> bool:
+    """Whether skin.h5 has frames before the dump's; one that went on later is not replaced."""
+    path = directory / STORE
+    if not path.exists():
+        return False
     try:
-        with path.open(encoding="utf-8") as file:
-            for line in file:
-                if line.strip() == title:
-                    break
-            next(file, None)
-            for line in file:
-                if not line.strip():
-                    break
-                rows.append([int(word) for word in line.split()[2:]])
-    except (OSError, ValueError):
-        raise SkinError(f"data file {path}: cannot be read; build the scene again") from None
-    return np.array(rows, np.int64)
-
-
-def _triangles(hinges: Ints) -> Ints:
-    """The triangles (t, 3) at the hinges (h, 4), each once, lowest id first."""
-    both = np.concatenate([hinges[:, [0, 1, 2]], hinges[:, [3, 2, 1]]])
-    if not len(both):
-        return both
-    turned = (both.argmin(axis=1)[:, None] + np.arange(3)) % 3
-    unique: Ints = np.unique(np.take_along_axis(both, turned, axis=1), axis=0)
-    return unique
+        steps = Store(path).steps
+    except SkinError:
+        return False  # broken: to be replaced
+    if not len(steps):
+        return False
+    if replacing and trajectory_of(directory) == path and steps[-1] > dump.steps[-1]:
+        raise SkinError(f"trajectory {path}: has gone on after {dump.path} was written")
+    return bool(steps[0] < dump.steps[0])

@@ -6,38 +6,17 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
-from lammps_skin.errors import SkinError
 from lammps_skin.kinds import Kind
-from lammps_skin.trajectory.dump import ABSENT, CELL_STATE
+from lammps_skin.trajectory.frame import ABSENT
+from lammps_skin.trajectory.readers import SkinDumpReader, SkinReader
+from lammps_skin.trajectory.store import DUMP, trajectory_of
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", DeprecationWarning)  # of packages that MDAnalysis imports
     import MDAnalysis
-    from MDAnalysis.coordinates.H5MD import H5MDReader
     from MDAnalysis.core.topologyattrs import AtomAttr
-
-GROUP = "particles/trajectory"
-
-
-class SkinReader(H5MDReader):  # type: ignore[misc]
-    """Reader of skin.h5: positions and box, and in ``ts.data`` the particles of the frame."""
-
-    format = "SKIN"
-
-    def __init__(self, filename: str | Path, **options: Any) -> None:
-        super().__init__(str(filename), **{**options, "convert_units": False})
-
-    def _copy_to_data(self) -> None:
-        """Arrays over all slots: species, alive and the state of cells."""
-        super()._copy_to_data()
-        data, group = self.ts.data, self._particle_group
-        data["alive"] = (group["id/value"][self._frame] != ABSENT).astype(np.int64)
-        for name in ("species", *CELL_STATE):
-            data[name] = group[name]["value"][self._frame]
-
 
 # ---- attributes of atoms, which MDAnalysis makes keywords of selections
 
@@ -105,14 +84,26 @@ class SkinUniverse(MDAnalysis.Universe):  # type: ignore[misc]
         return other
 
 
-def open_trajectory(path: str | Path) -> SkinUniverse:
-    """Universe of a skin.h5 that `convert` or `TrajectoryWriter` has written.
+def follow_frames(universe: MDAnalysis.Universe) -> None:
+    """Give a universe of format SKIN or SKINDUMP the attributes that change with its frames.
 
-    There is an atom for every id ever given out; atom n has id n + 1. In each frame, the
-    attributes `alive` (1 or 0), `types` (numbers of the model as text, "-1" where there is
-    nothing) and those in `CELL_STATE` are those of the frame. The bonds are the links of the
+    They are `alive` (1 or 0), `types` (numbers of the model as text, "-1" where there is
+    nothing) and those in `CELL_STATE`.
+    """
+    slots = len(universe.atoms)
+    universe.add_TopologyAttr("types", np.full(slots, str(ABSENT), object))
+    for attribute in ATTRIBUTES:
+        universe.add_TopologyAttr(attribute(np.zeros(slots, attribute.dtype)))
+    universe.trajectory.add_transformations(FrameAttributes(universe))
+
+
+def open_trajectory(path: str | Path) -> SkinUniverse:
+    """Universe of a skin.h5, of a skin.dump or of what is in a run directory.
+
+    There is an atom for every id ever given out; atom n has id n + 1. In each frame, its
+    attributes are those of the frame, see `follow_frames`. The bonds are the links of the
     membrane. Positions are NaN where there is nothing, so select the living before anything
-    geometrical.
+    geometrical. Raises `SkinError` for a file that is no trajectory or has no frame.
 
     Examples
     --------
@@ -121,19 +112,10 @@ def open_trajectory(path: str | Path) -> SkinUniverse:
     >>> heights = [stem.positions[:, 2].mean() for _ in universe.trajectory]
     """
     path = Path(path)
-    try:
-        with h5py.File(path) as file:
-            slots = file[f"{GROUP}/position/value"].shape[1]
-            species = file[f"{GROUP}/species/value"][0]
-            links = file["connectivity/links"][:] - 1
-    except (OSError, KeyError, IndexError):
-        raise SkinError(f"trajectory {path}: is no trajectory in HDF5 with any frame") from None
-    universe = SkinUniverse.empty(slots)
-    universe.add_TopologyAttr("ids", np.arange(1, slots + 1))
-    universe.add_TopologyAttr("types", species.astype(str).astype(object))
-    for attribute in ATTRIBUTES:
-        universe.add_TopologyAttr(attribute(np.zeros(slots, attribute.dtype)))
-    universe.add_TopologyAttr("bonds", [tuple(link) for link in links.tolist()])
-    universe.load_new(str(path), format=SkinReader)
-    universe.trajectory.add_transformations(FrameAttributes(universe))
+    if path.is_dir():
+        path = trajectory_of(path)
+    reader = SkinDumpReader if path.suffix == Path(DUMP).suffix else SkinReader
+    form = {"format": reader.format, "topology_format": reader.format}
+    universe = SkinUniverse(str(path), **form, to_guess=())
+    follow_frames(universe)
     return universe

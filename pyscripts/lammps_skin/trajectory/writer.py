@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import getpass
+import os
 import platform
 import subprocess
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
@@ -14,21 +16,24 @@ import h5py
 import numpy as np
 
 from lammps_skin.build import to_toml
-from lammps_skin.kinds import Kind
+from lammps_skin.errors import SkinError
+from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.scene import Scene
-from lammps_skin.trajectory.dump import ABSENT, CELL_STATE, WHOLE, Frame, Ints
+from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, WHOLE, Frame, Ints
 
+GROUP = "particles/trajectory"
 SLOTS_PER_CHUNK = 4096
 PACKED = {"compression": "gzip", "shuffle": True}
 BOUNDARY = ("periodic", "periodic", "none")
 
 
 class TrajectoryWriter:
-    """Writes frames to a new file; a context manager that closes it.
+    """Writes frames to a file; a context manager that closes it.
 
     Every id that was ever given out has its slot, id - 1, in all frames; the slots of particles
-    that do not exist in a frame hold fill values. The cost of a frame does not depend on how
-    many there are, and every frame is on disk when `write` returns.
+    that do not exist in a frame hold fill values. Only chunks with a particle in them are
+    written, so the cost of a frame depends neither on how many there are nor on how many
+    particles have come and gone. Every frame is on disk when `write` returns.
 
     Parameters
     ----------
@@ -41,20 +46,42 @@ class TrajectoryWriter:
         Ids of their corners, counterclockwise seen from the side of the cells.
     author : str, optional
         Name; the user's login name if not given.
+    variables : mapping, optional
+        What was given to LAMMPS instead of the scene's values.
     """
 
     def __init__(
         self, path: str | Path, scene: Scene, links: Ints, triangles: Ints,
-        author: str | None = None,
+        author: str | None = None, variables: Mapping[str, object] | None = None,
     ) -> None:  # fmt: skip
+        self._path = Path(path)
         self._file = h5py.File(path, "w")
-        self._frames = self._slots = 0
-        self._describe(scene, author or _login())
-        self._particles = self._file.create_group("particles/trajectory")
+        self._frames, self._slots, self._last_step = 0, 0, -1
+        self._describe(scene, author or _login(), variables or {})
+        self._particles = self._file.create_group(GROUP)
         self._create_elements()
         for name, members in (("links", links), ("triangles", triangles)):
             dataset = self._file.create_dataset(f"connectivity/{name}", data=members, dtype="i4")
             dataset.attrs["particles_group"] = self._particles.ref
+
+    @classmethod
+    def append(cls, path: str | Path, until: int | None = None) -> Self:
+        """Open a file to write more frames to it; those after the step `until` are cut off."""
+        writer = cls.__new__(cls)
+        writer._path = Path(path)
+        writer._file = h5py.File(path, "r+")
+        try:
+            writer._particles = writer._file[GROUP]
+            steps = writer._particles["position/step"][:]
+            writer._frames, writer._slots = writer._particles["id/value"].shape
+        except (KeyError, ValueError):
+            writer.close()
+            raise SkinError(f"trajectory {path}: is no trajectory in HDF5") from None
+        kept = len(steps) if until is None else int(np.searchsorted(steps, until, side="right"))
+        if kept < len(steps):
+            writer._cut(kept)
+        writer._last_step = int(steps[kept - 1]) if kept else -1
+        return writer
 
     def __enter__(self) -> Self:
         return self
@@ -73,7 +100,7 @@ class TrajectoryWriter:
 
     @property
     def frames(self) -> int:
-        """Number of frames written."""
+        """Number of frames in the file."""
         return self._frames
 
     @property
@@ -81,25 +108,55 @@ class TrajectoryWriter:
         """Number of slots, the highest id so far."""
         return self._slots
 
+    @property
+    def last_step(self) -> int:
+        """Step of the last frame, -1 if there is none."""
+        return self._last_step
+
     def write(self, frame: Frame) -> None:
-        """Append a frame."""
+        """Append a frame; raises `SkinError` unless its step is after that of the last one."""
+        if frame.step <= self._last_step:
+            raise SkinError(
+                f"trajectory {self._path}: a frame of step {frame.step} cannot come after that "
+                f"of step {self._last_step}"
+            )
         self._slots = max(self._slots, int(frame.ids.max(initial=0)))
-        self._append(self._particles["position/step"], frame.step)
-        self._append(self._particles["position/time"], frame.time)
-        self._append(self._particles["box/edges/value"], frame.edges)
+        rows = {"position/step": frame.step, "position/time": frame.time}
+        for name, row in {**rows, "box/edges/value": frame.edges}.items():
+            self._particles[name].resize(self._frames + 1, axis=0)
+            self._particles[name][self._frames] = row
         values = {"position": frame.positions, "id": frame.ids, "species": frame.kinds}
-        for name, column in {**values, **frame.state}.items():
-            dataset = self._particles[name]["value"]
-            row = np.full((self._slots, *column.shape[1:]), dataset.fillvalue, dataset.dtype)
-            row[frame.ids - 1] = column
-            self._append(dataset, row)
+        for name, column in values.items():
+            self._append(name, frame.ids, column)
+        is_cell = np.isin(frame.kinds, CELLS)
+        for name, column in frame.state.items():
+            self._append(name, frame.ids[is_cell], column[is_cell])
         self._frames += 1
+        self._last_step = frame.step
         self._file.flush()
 
-    def _append(self, dataset: Any, row: Any) -> None:
-        """Extend a dataset by a frame, and by the slots that are new."""
-        dataset.resize((self._frames + 1, *np.shape(row)))
-        dataset[self._frames] = row
+    def _append(self, name: str, ids: Ints, values: Any) -> None:
+        """Extend an element by a frame and by new slots; write the chunks that hold particles."""
+        dataset = self._particles[name]["value"]
+        dataset.resize((self._frames + 1, self._slots, *values.shape[1:]))
+        slots = ids - 1
+        for begin in np.unique(slots // SLOTS_PER_CHUNK) * SLOTS_PER_CHUNK:
+            end = min(begin + SLOTS_PER_CHUNK, self._slots)
+            first, last = np.searchsorted(slots, [begin, end])
+            row = np.full((end - begin, *values.shape[1:]), dataset.fillvalue, dataset.dtype)
+            row[slots[first:last] - begin] = values[first:last]
+            dataset[self._frames, begin:end] = row
+
+    def _cut(self, frames: int) -> None:
+        """Keep so many frames, and the slots of the ids that occur in them."""
+        ids = self._particles["id/value"]
+        self._frames = frames
+        self._slots = max((int(ids[n].max(initial=0)) for n in range(frames)), default=0)
+        for name in ("position/step", "position/time", "box/edges/value"):
+            self._particles[name].resize(frames, axis=0)
+        for name in ("position", "id", "species", *CELL_STATE):
+            dataset = self._particles[name]["value"]
+            dataset.resize((frames, self._slots, *dataset.shape[2:]))
 
     def _create_elements(self) -> None:
         position = self._create("position", np.nan, "f8", (3,))
@@ -128,7 +185,7 @@ class TrajectoryWriter:
         )  # fmt: skip
         return group
 
-    def _describe(self, scene: Scene, author: str) -> None:
+    def _describe(self, scene: Scene, author: str, variables: Mapping[str, object]) -> None:
         """Who and what made the file, from which scene."""
         h5md = self._file.create_group("h5md")
         h5md.attrs.create("version", (1, 1), dtype="i4")
@@ -138,7 +195,10 @@ class TrajectoryWriter:
         parameters = self._file.create_group("parameters")
         parameters.attrs["scene"] = to_toml(scene.model_dump(exclude_none=True))
         parameters.attrs["parameters"] = scene.parameters
-        parameters.attrs["seed"] = scene.cell_seed
+        parameters.attrs["seed"] = int(str(variables.get("seed", scene.cell_seed)))
+        given = parameters.create_group("variables").attrs
+        for name, value in variables.items():
+            given[name] = str(value)
         kinds = parameters.create_group("species").attrs
         for kind in Kind:
             kinds[kind.label] = int(kind)
@@ -163,6 +223,11 @@ def source_commit() -> str | None:
         return subprocess.run(told, capture_output=True, text=True).stdout.strip() or None
     except OSError:
         return None
+
+
+def reason(error: OSError) -> str:
+    """Why something cannot be read or written, in a few words also where HDF5 has many."""
+    return os.strerror(error.errno) if error.errno else " ".join(str(error).split())
 
 
 def _login() -> str:

@@ -1,0 +1,228 @@
+"""What the observables need of one moment, and a pass over a trajectory that provides it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from lammps_skin.analysis.coverage import coverage
+from lammps_skin.analysis.curvature import curvature
+from lammps_skin.analysis.geometry import Bools, Floats, Ints, nearest
+from lammps_skin.analysis.order import Order, order
+from lammps_skin.analysis.papillae import (
+    Papillae,
+    Skewness,
+    TipFraction,
+    blocks,
+    find_papillae,
+    on_tip,
+    skewness,
+    tip_fraction,
+)
+from lammps_skin.analysis.surface import height_field, smooth
+from lammps_skin.build import load_built
+from lammps_skin.errors import SkinError
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.scene import Scene
+from lammps_skin.trajectory.connectivity import connectivity
+from lammps_skin.trajectory.readers import SkinDumpReader, SkinReader
+from lammps_skin.trajectory.store import Store
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore", DeprecationWarning)  # of packages that MDAnalysis imports
+    from MDAnalysis.analysis.base import AnalysisBase
+
+TA_KINDS = (Kind.TA, Kind.EXHAUSTED)
+BLOCK = 10.0  # side of the blocks of a height field that count as independent, length
+RESAMPLES = 500
+
+
+@dataclass(frozen=True)
+class State:
+    """The membrane and the c cells of one moment.
+
+    Attributes
+    ----------
+    scene : Scene
+    time : float
+    box : (2,) array
+        L_x, L_y.
+    membrane : (n, 3) array
+        Positions, wrapped or not.
+    triangles : (t, 3) array of int
+        Indices of membrane particles, counterclockwise seen from the side of the cells.
+    kinds : (c,) array of int
+        `Kind` of each cell.
+    cells : (c, 3) array
+        Positions.
+    below : (c,) array of int
+        Index of the membrane particle nearest to each cell.
+    ids : (c,) array of int
+    """
+
+    scene: Scene
+    time: float
+    box: Floats
+    membrane: Floats
+    triangles: Ints
+    kinds: Ints
+    cells: Floats
+    below: Ints
+    ids: Ints
+
+    @cached_property
+    def curvature_below(self) -> tuple[Floats, Floats]:
+        """Mean and Gaussian curvature (c,) of the membrane at the particle nearest each cell."""
+        wanted = np.zeros(len(self.membrane), bool)
+        wanted[self.below] = True
+        around = wanted[self.triangles].any(axis=1)  # all triangles of the wanted particles
+        bent = curvature(self.membrane, self.triangles[around], self.box)
+        return bent.mean[self.below], bent.gaussian[self.below]
+
+    def order(self, of: Kind = Kind.STEM) -> Order:
+        """Order parameters of the cells of one kind."""
+        radius = self.scene.cells.radius
+        return order(self.kinds, self.cells, *self.curvature_below, self.box, radius, of)
+
+    @cached_property
+    def coverage(self) -> float:
+        """Fraction of membrane particles within lambda (R_c + R_m) of the centre of a cell."""
+        reach = self.scene.cells.adhesion_range * self.scene.contact
+        return coverage(self.membrane, self.cells, self.box, reach)
+
+    @cached_property
+    def height(self) -> Floats:
+        """Height field (g_x, g_y) of the membrane, its nodes one rest spacing apart."""
+        return height_field(self.membrane, self.triangles, self.box, self.scene.spacing)
+
+    @cached_property
+    def papillae(self) -> Papillae:
+        """Peaks of the height smoothed over R_c/2 that have a prominence of R_c/2."""
+        scale = self.scene.cells.radius / 2
+        return find_papillae(smooth(self.height, self.box, scale), self.box, scale)
+
+    @cached_property
+    def on_tip(self) -> Bools:
+        """Which cells (c,) are nearest to the membrane in the upper half of a papilla."""
+        return on_tip(self.membrane[self.below], self.papillae, self.box)
+
+    def papilla_means(self) -> tuple[float, float, float]:
+        """Mean height, width and spacing of the papillae; NaN where there are none to average."""
+        found = self.papillae
+        height, width, spacing = (
+            float(part.mean()) if len(part) else np.nan
+            for part in (found.height, found.width, found.spacing)
+        )
+        return height, width, spacing
+
+    def skewness(self) -> Skewness:
+        """Skewness of the height field, its 95 % interval from blocks of about `BLOCK`^2."""
+        per_side = max(round(float(self.box.min()) / BLOCK), 1)
+        return skewness(blocks(self.height, per_side), resamples=RESAMPLES)
+
+    def tips(self, of: Kind = Kind.STEM, others: Sequence[Kind] = TA_KINDS) -> TipFraction:
+        """Fraction of the cells of a kind on tips, against cells drawn from others."""
+        mine, theirs = self.kinds == of, np.isin(self.kinds, others)
+        return tip_fraction(self.on_tip[mine], self.on_tip[theirs])
+
+
+class StateAnalysis(AnalysisBase):  # type: ignore[misc]
+    """Base of analyses of a universe of `open_trajectory`: one `State` for every frame.
+
+    A subclass says in `_measure` what it wants of a state, as a tuple of numbers or arrays of
+    the same shape in every frame, and in `columns` how they are called; `results` then has an
+    array of each, the frames first, and `results.time` (f,).
+
+    Parameters
+    ----------
+    universe : Universe
+        From `trajectory.universe.open_trajectory`.
+    **options
+        Of `AnalysisBase`: ``verbose`` shows a progress bar.
+
+    Raises
+    ------
+    SkinError
+        If the universe is not from there.
+    """
+
+    columns: tuple[str, ...] = ()
+
+    def __init__(self, universe: Any, **options: Any) -> None:
+        super().__init__(universe.trajectory, **options)
+        self.scene, ids = scene_and_triangles(universe)
+        is_membrane = np.asarray(universe.atoms.types) == str(int(Kind.MEMBRANE))
+        self._members = np.flatnonzero(is_membrane)
+        self._triangles = np.searchsorted(self._members, ids - 1)
+
+    def run(self, *frames: Any, **options: Any) -> Self:
+        """Analyse frames, see `AnalysisBase`; raises `SkinError` where they cannot be read."""
+        try:
+            super().run(*frames, **options)
+        except OSError as error:
+            raise SkinError(f"trajectory {self._trajectory.filename}: {error}") from None
+        return self
+
+    def _prepare(self) -> None:
+        self._rows: list[tuple[Any, ...]] = []
+
+    def _single_frame(self) -> None:
+        state = self._state(self._ts)
+        self._rows.append((state.time, *self._measure(state)))
+
+    def _measure(self, state: State) -> tuple[Any, ...]:
+        raise NotImplementedError
+
+    def _conclude(self) -> None:
+        names = ("time", *self.columns)
+        columns = zip(*self._rows, strict=True) if self._rows else [()] * len(names)
+        for name, values in zip(names, columns, strict=True):
+            self.results[name] = np.array(values)
+
+    def _state(self, timestep: Any) -> State:
+        data, positions = timestep.data, timestep.data["position"]
+        cells = np.flatnonzero(np.isin(data["species"], CELLS))
+        box = np.array(self.scene.box_sides[:2])
+        membrane = positions[self._members]
+        places = positions[cells]
+        return State(
+            scene=self.scene,
+            time=float(timestep.time),
+            box=box,
+            membrane=membrane,
+            triangles=self._triangles,
+            kinds=np.asarray(data["species"][cells], np.int64),
+            cells=places,
+            below=self._nearest(data["partner"][cells], places, membrane, box),
+            ids=cells + 1,
+        )
+
+    def _nearest(self, partner: Ints, cells: Floats, membrane: Floats, box: Floats) -> Ints:
+        """Nearest membrane particle (c,): the one recorded, or searched for where none was."""
+        below = np.searchsorted(self._members, np.asarray(partner, np.int64) - 1)
+        unknown = np.asarray(partner) <= 0
+        if unknown.any():
+            below[unknown] = nearest(cells[unknown], membrane, box)[0]
+        return below
+
+
+def scene_and_triangles(universe: Any) -> tuple[Scene, Ints]:
+    """Scene of the trajectory of a universe, and ids (t, 3) of the corners of its triangles.
+
+    Of a dump, they are in the directory in which it lies. Raises `SkinError` for a universe that
+    is not from `open_trajectory`.
+    """
+    reader = universe.trajectory
+    if isinstance(reader, SkinDumpReader):
+        directory = Path(reader.filename).parent
+        return load_built(directory), connectivity(directory)[1]
+    if isinstance(reader, SkinReader):
+        store = Store(reader.filename)
+        return store.scene, store.triangles
+    raise SkinError(f"universe {universe}: is not from open_trajectory")

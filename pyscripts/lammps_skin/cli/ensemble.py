@@ -1,0 +1,117 @@
+"""``skin ensemble``: scenes with many seeds, reduced to tables of observables."""
+
+from __future__ import annotations
+
+from datetime import timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from lammps_skin.cli.options import Parameters, Settings, console, scene_from
+from lammps_skin.errors import SceneError, SkinError
+
+if TYPE_CHECKING:
+    from lammps_skin.ensemble import Member
+
+FAILED = 1
+INTERRUPTED = 130
+MOST_SEEDS = 10_000
+
+
+def ensemble(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="SCENE...", help="Built-in scenes or .toml files."),
+    ] = None,
+    seeds: Annotated[str, typer.Option(metavar="SEEDS", help="Such as 1-8 or 1,3,10-12.")] = "1-8",
+    jobs: Annotated[int, typer.Option(min=1, max=4096, help="Runs at a time.")] = 1,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the ensemble.")
+    ] = Path("ensemble"),
+    runs: Annotated[
+        list[Path] | None,
+        typer.Option("--from", metavar="RUN", help="Directory of a finished run to take in."),
+    ] = None,
+    keep: Annotated[bool, typer.Option("--keep", help="Keep the run directories.")] = False,
+    parameters: Parameters = None,
+    settings: Settings = None,
+) -> None:
+    """Run scenes with many seeds, and store the observables of each run."""
+    from lammps_skin import ensemble as ensembles  # MDAnalysis takes a second to import
+
+    if not scenes and not runs:
+        raise SceneError("scene: give at least one, or runs to take in with --from")
+    described = [scene_from(scene, parameters, settings) for scene in scenes or ()]
+    members = ensembles.members(described, _seeds(seeds), output)
+    failures: dict[str, str] = {}
+    for directory in runs or ():
+        try:
+            member = ensembles.member_of(directory, output)
+            if not member.done:
+                member.store(directory)
+            members.append(member)
+        except SkinError as error:
+            failures[str(directory)] = str(error)
+
+    todo = [member for member in members if not member.done]
+    console.print(f"{len(members)} runs, {len(members) - len(todo)} of them there")
+    try:
+        if todo:
+            failures |= _run(todo, jobs, keep)
+    except KeyboardInterrupt:
+        console.print("interrupted; the same command goes on with what is missing")
+        raise typer.Exit(INTERRUPTED) from None
+    finally:
+        for path in ensembles.gather(members):
+            console.print(f"{path}: {len(set(ensembles.load(path)['seed']))} seeds")
+    for label, text in failures.items():
+        console.print(f"failed: {label}: {text}")
+    if failures:
+        raise typer.Exit(FAILED)
+
+
+def _run(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
+    """Run with a progress bar; what failed, by label."""
+    from lammps_skin.ensemble import run_all
+
+    seconds = sum(member.seconds for member in todo) / min(jobs, len(todo))
+    expected = timedelta(seconds=max(round(seconds), 1))
+    console.print(f"{len(todo)} to do, {jobs} at a time: about {expected} on idle cores")
+    bar = Progress(
+        TextColumn("{task.fields[news]}", markup=False),
+        BarColumn(bar_width=20),
+        TextColumn("{task.percentage:.0f} %", markup=False),
+        TimeRemainingColumn(),
+        console=console,
+    )
+    reached: dict[Member, float] = {}
+    with bar:
+        task = bar.add_task("", total=sum(member.scene.end_time for member in todo), news="")
+
+        def show(member: Member, time: float) -> None:
+            reached[member] = time
+            ended = sum(time >= member.scene.end_time for member, time in reached.items())
+            news = f"{ended} of {len(todo)} runs"
+            bar.update(task, completed=sum(reached.values()), news=news)
+
+        failed = run_all(todo, jobs, keep, show)
+    return {member.label: text for member, text in failed.items()}
+
+
+def _seeds(text: str) -> list[int]:
+    """Seeds of a list of numbers and ranges."""
+    found: list[int] = []
+    for part in text.split(","):
+        first, dash, last = part.strip().partition("-")
+        if not (first.isdecimal() and (last.isdecimal() or not dash)):
+            raise SceneError(f"--seeds {text}: must be numbers and ranges, such as 1-8 or 1,3,5-7")
+        begin, end = int(first), int(last or first)
+        if not 1 <= begin <= end < begin + MOST_SEEDS:
+            raise SceneError(
+                f"--seeds {text}: {part.strip()} must ascend from at least 1, and hold no more "
+                f"than {MOST_SEEDS:,} seeds"
+            )
+        found += range(begin, end + 1)
+    return sorted(set(found))

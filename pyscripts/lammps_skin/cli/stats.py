@@ -1,0 +1,143 @@
+"""``skin stats``: the observables of a run, over time and averaged."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.table import Table
+
+from lammps_skin.cli.options import console
+from lammps_skin.errors import SkinError
+
+MOMENTS = 7  # of a run that are shown
+SHOWN = (
+    "time", "stem", "ta", "exhausted", "nd", "births", "deaths", "coverage", "height_std",
+    "skewness", "papillae", "papilla_height", "stem_on_tips", "nd_on_tips", "chi_H", "zeta",
+    "sigma", "chi_H_nd", "zeta_nd", "sigma_nd",
+)  # fmt: skip
+SPREADS = ("_low", "_high", "_sd", "_p")  # of what stands in a column of its own
+CLONES = 8
+
+
+def stats(
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="Run directory, or a trajectory.")],
+    window: Annotated[
+        str | None,
+        typer.Option(metavar="A-B", help="Times to average over [default: the last two fifths]."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
+) -> None:
+    """Show the observables of a run: over time, averaged, with events and energies."""
+    from lammps_skin.summary import summary, without_nan  # MDAnalysis takes a second to import
+
+    times = None if window is None else _times(window)
+    if as_json:
+        print(json.dumps(without_nan(summary(run, times)), allow_nan=False))
+        return
+    with console.status("analysing"):
+        found = summary(run, times)
+    told = found["run"]
+    console.print(
+        f"{told['scene']}, {told['parameters']}, seed {told['seed']}: {told['frames']} frames, "
+        f"t = {told['from']:g} to {told['to']:g} of {told['end_time']:g}"
+    )
+    _print(["", *_moments(found)], _over_time(found))
+    means = found["window"]
+    _print(
+        [f"t = {means['start']:g} to {means['end']:g}", "mean", "95 % interval", "frames"],
+        _averages(means["means"]),
+    )
+    if found["events"]:
+        _print(["events", ""], _happened(found["events"]))
+        _print(["clone of", "kind", "births", "removals", "cells"], _clones(found["events"]))
+    if found["energies"]:
+        _print(["energy", "first", "mean", "last"], _energies(found["energies"]))
+
+
+def _times(window: str) -> tuple[float, float]:
+    try:
+        start, end = (float(word) for word in window.split("-"))
+        if start < end:
+            return start, end
+    except ValueError:
+        pass
+    raise SkinError(f"--window {window}: must be two ascending times, such as 600-1000")
+
+
+def _print(heading: list[str], rows: Iterator[tuple[str, ...]]) -> None:
+    filled = list(rows)
+    if not filled:
+        return
+    table = Table(box=None, pad_edge=False)
+    for n, title in enumerate(heading):
+        table.add_column(title, justify="left" if n == 0 else "right", no_wrap=True)
+    for row in filled:
+        table.add_row(*row)
+    console.print()
+    console.print(table)
+
+
+def _places(found: dict[str, Any]) -> list[int]:
+    """Frames to show, evenly spread."""
+    last = found["run"]["frames"] - 1
+    return sorted({round(last * n / (MOMENTS - 1)) for n in range(MOMENTS)})
+
+
+def _moments(found: dict[str, Any]) -> list[str]:
+    return [_number(found["observables"]["time"][place]) for place in _places(found)]
+
+
+def _over_time(found: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    places = _places(found)
+    for name in SHOWN[1:]:
+        values = [found["observables"][name][place] for place in places]
+        if any(value == value and value for value in values):
+            yield name, *map(_number, values)
+
+
+def _averages(means: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    for name, mean in means.items():
+        if mean["n"] and not name.endswith(SPREADS):
+            interval = f"{_number(mean['low'])} to {_number(mean['high'])}"
+            yield name, _number(mean["value"]), interval, str(mean["n"])
+
+
+def _happened(events: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    causes = (f"{number:,} {cause}" for cause, number in events["removals_by_cause"].items())
+    yield "births", f"{events['births']:,}"
+    yield "removals", ", ".join(causes) or "0"
+    yield (
+        "births, removals per time unit",
+        (f"{_number(events['births_per_time'])}, {_number(events['removals_per_time'])}"),
+    )
+    yield "mixing of clones at the end", _number(events["mixing"])
+
+
+def _clones(events: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    """The largest, and how many there are."""
+    clones = events["clones"]
+    for clone in clones[:CLONES]:
+        yield (
+            str(clone["founder"]), clone["kind"], str(clone["births"]), str(clone["removals"]),
+            str(clone["size"]),
+        )  # fmt: skip
+    rest = clones[CLONES:]
+    if rest:
+        sums = (str(sum(clone[key] for clone in rest)) for key in ("births", "removals", "size"))
+        yield f"{len(rest)} others", "", *sums
+
+
+def _energies(energies: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    for name, values in energies.items():
+        yield name, *(_number(values[key]) for key in ("first", "mean", "last"))
+
+
+def _number(value: float) -> str:
+    """Three digits, whole numbers in full, nothing for what is not defined."""
+    if value != value:
+        return "-"
+    return f"{value:.0f}" if value == round(value) or abs(value) >= 1000 else f"{value:.3g}"

@@ -1,0 +1,82 @@
+"""The particles of one moment, and the slots in which files keep them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_skin.engine import Cells, Forces
+from lammps_skin.kinds import CELLS
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+ABSENT = -1
+# with the value of what is not a living cell
+CELL_STATE: dict[str, float] = {
+    "partner": ABSENT,
+    "divisions_left": ABSENT,
+    "next_division": np.nan,
+    "parent": ABSENT,
+    "pair": ABSENT,
+    "birth_time": np.nan,
+}
+WHOLE = tuple(name for name, fill in CELL_STATE.items() if fill == ABSENT)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The n particles of one moment, sorted by id.
+
+    Attributes
+    ----------
+    step : int
+    time : float
+    edges : (3,) array
+        Sides of the box, which starts at the origin.
+    ids : (n,) array of int
+    kinds : (n,) array of int
+        `Kind` of each particle, the type numbers of the model.
+    positions : (n, 3) array
+    state : dict of (n,) arrays
+        The names in `CELL_STATE`; the values given there for particles that are no cells.
+    """
+
+    step: int
+    time: float
+    edges: Floats
+    ids: Ints
+    kinds: Ints
+    positions: Floats
+    state: Mapping[str, NDArray[np.int64] | NDArray[np.float64]]
+
+    @classmethod
+    def of_engine(
+        cls, step: int, time: float, edges: Sequence[float], particles: Forces, cells: Cells
+    ) -> Frame:
+        """Frame of what LAMMPS holds: all particles, and the state of the cells among them."""
+        is_cell = np.isin(particles.types, CELLS)
+        state: dict[str, Any] = {}
+        for name, fill in CELL_STATE.items():
+            kind = np.int64 if name in WHOLE else np.float64
+            state[name] = np.full(len(is_cell), fill, kind)
+            state[name][is_cell] = getattr(cells, name)
+        ids, kinds, positions = particles[:3]
+        return cls(step, time, np.asarray(edges, float), ids, kinds, positions, state)
+
+    def over_slots(self, slots: int) -> dict[str, Any]:
+        """Arrays over all slots, slot n for id n + 1, with fill values where nothing is.
+
+        The names are position, id, species and those in `CELL_STATE`.
+        """
+        kept = {"position": self.positions, "id": self.ids, "species": self.kinds, **self.state}
+        spread = {}
+        for name, values in kept.items():
+            fill = np.nan if values.dtype.kind == "f" else ABSENT
+            spread[name] = np.full((slots, *values.shape[1:]), fill, values.dtype)
+            spread[name][self.ids - 1] = values
+        return spread

@@ -1,0 +1,143 @@
+"""The trajectory of a run that Python drives, written while it runs."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from lammps_skin.errors import SkinError
+from lammps_skin.scene import Scene
+from lammps_skin.trajectory.connectivity import connectivity
+from lammps_skin.trajectory.convert import convert
+from lammps_skin.trajectory.dump import Dump
+from lammps_skin.trajectory.frame import Frame
+from lammps_skin.trajectory.store import DUMP, STORE, trajectory_of
+from lammps_skin.trajectory.writer import TrajectoryWriter, reason
+
+
+class Recorder:
+    """Writes skin.h5 at every multiple of the dump interval.
+
+    A file in HDF5 that is being changed is broken if the process is killed at that moment. So
+    there are two: a frame goes to skin.h5.next, which then takes the place of skin.h5, in one
+    step of the file system; the former skin.h5 becomes the next and lacks that frame alone. At
+    every moment, skin.h5 is complete and closed, and what others have open does not change. Each
+    frame is written twice, at a cost that does not depend on how many there are.
+
+    Parameters
+    ----------
+    directory : Path
+        A built scene.
+    scene : Scene
+    variables : mapping
+        What is given to LAMMPS instead of the scene's values. With `restart`, the frames up to
+        its step are kept and the later ones replaced.
+    """
+
+    def __init__(self, directory: Path, scene: Scene, variables: Mapping[str, object]) -> None:
+        self.path = directory / STORE
+        self._next = directory / f"{STORE}.next"
+        self._scene = scene
+        self._variables = dict(variables)
+        self._interval = self._dump_interval()
+        self._missing: list[Frame] | None = None  # in skin.h5.next; None: it has to be made
+        self._last_step: int | None = None  # None: skin.h5 has to be made
+
+    def _dump_interval(self) -> float:
+        """Of the variables, which nobody has checked, or of the scene."""
+        given = self._variables.get("dump_interval", self._scene.output.dump_interval)
+        try:
+            interval = float(str(given))
+        except ValueError:
+            interval = math.nan
+        if not 0 <= interval < math.inf:
+            raise SkinError(f"variable dump_interval = {given}: must be a number >= 0")
+        return interval
+
+    def stops(self, engine: Any, step: int) -> Iterator[int]:
+        """Steps of frames on the way to a step, and that step itself."""
+        every = self._every(engine)
+        if every:
+            yield from range((engine.step() // every + 1) * every, step, every)
+        yield step
+
+    def record(self, engine: Any) -> None:
+        """Write a frame if one is due now; raises `SkinError` if it cannot be written."""
+        every, step = self._every(engine), engine.step()
+        if not every or step % every:
+            return
+        try:
+            if self._last_step is None:
+                self._last_step = self._begin(step)
+            if step != self._last_step:
+                sides = self._scene.box_sides
+                self._add(
+                    Frame.of_engine(step, engine.time(), sides, engine.forces(), engine.cells())
+                )
+                self._last_step = step
+        except OSError as error:
+            raise SkinError(f"trajectory {self.path}: {reason(error)}") from None
+
+    def close(self) -> None:
+        """Leave skin.h5 alone behind."""
+        self._missing = None
+        self._next.unlink(missing_ok=True)
+
+    def _every(self, engine: Any) -> int:
+        """Steps between frames, as in output.in; 0 for none."""
+        return math.ceil(self._interval / engine.timestep() - 1e-6)
+
+    def _begin(self, step: int) -> int:
+        """Make a skin.h5 that goes on at a step; the step of its last frame, -1 without any."""
+        directory = self.path.parent
+        resumed = "restart" in self._variables
+        if resumed and self._is_in_dump(directory):
+            convert(directory)
+        if resumed and self.path.exists():
+            shutil.copyfile(self.path, self._next)
+            writer = TrajectoryWriter.append(self._next, until=step)
+        else:
+            (directory / DUMP).unlink(missing_ok=True)
+            members = connectivity(directory)
+            writer = TrajectoryWriter(self._next, self._scene, *members, variables=self._variables)
+        writer.close()
+        self._next.replace(self.path)
+        return writer.last_step
+
+    def _is_in_dump(self, directory: Path) -> bool:
+        """Whether `lmp` has run the scene last, and come to a frame."""
+        dump = directory / DUMP
+        last = dump.exists() and trajectory_of(directory) == dump
+        return last and len(Dump(dump, self._scene.kinds)) > 0
+
+    def _add(self, frame: Frame) -> None:
+        """Add to skin.h5.next what it lacks and this frame, and let the two change places."""
+        with self._writer() as writer:
+            missing, self._missing = self._missing or [], None
+            for one in (*missing, frame):
+                writer.write(one)
+        former = self.path.with_name(f"{STORE}.former")
+        former.unlink(missing_ok=True)
+        os.link(self.path, former)
+        self._next.replace(self.path)
+        former.replace(self._next)
+        self._missing = [frame]
+
+    def _writer(self) -> TrajectoryWriter:
+        """Writer of skin.h5.next.
+
+        Whoever opened skin.h5 when that was its name may still read it: HDF5 then refuses, and
+        a copy is taken.
+        """
+        if self._missing is not None:
+            try:
+                return TrajectoryWriter.append(self._next)
+            except OSError:
+                self._missing = None
+        self._next.unlink(missing_ok=True)
+        shutil.copyfile(self.path, self._next)
+        return TrajectoryWriter.append(self._next)
