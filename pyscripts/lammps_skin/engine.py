@@ -76,6 +76,21 @@ class Cells(NamedTuple):
     distance: Floats
 
 
+class Motion(NamedTuple):
+    """How particles were moved, since LAMMPS was opened.
+
+    Steps that were divided, parts of steps, force evaluations, the fraction of particles whose
+    mobility was lowered, the lowest mobility of any, and steps: the vector of fix skin/motion.
+    """
+
+    divided: float
+    parts: float
+    evaluations: float
+    lowered: float
+    lowest_mobility: float
+    steps: float
+
+
 class Engine:
     """A built scene in LAMMPS, on the ranks of this process' MPI world.
 
@@ -174,6 +189,14 @@ class Engine:
         if term == "wall":
             return float(self._guard(self._lammps.extract_fix, "wall", 0, 0))
         return float(self._guard(self._lammps.extract_compute, term, 0, 0))
+
+    def motion(self) -> Motion:
+        """How particles were moved."""
+        values = [
+            self._guard(self._lammps.extract_fix, "motion", 0, 1, n, 0)
+            for n in range(len(Motion._fields))
+        ]
+        return Motion(*map(float, values))
 
     def forces(self) -> Forces:
         """Forces on all particles."""

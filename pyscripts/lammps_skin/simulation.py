@@ -10,7 +10,7 @@ from typing import Any, Self
 
 from lammps_skin.build import build, load_built
 from lammps_skin.configuration import Configuration
-from lammps_skin.engine import FIX_TERMS, Cells, Engine, Forces
+from lammps_skin.engine import FIX_TERMS, Cells, Engine, Forces, Motion
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.ranks import RankedEngine
 from lammps_skin.scene import Scene
@@ -165,6 +165,11 @@ class Simulation:
         """Energy of every term of the model at the current time, by name."""
         energies: dict[str, float] = self._running.energies()
         return energies
+
+    def motion(self) -> Motion:
+        """How particles were moved since this simulation began."""
+        motion: Motion = self._running.motion()
+        return motion
 
     def forces(self) -> Forces:
         """Ids, types, positions and forces of all particles, sorted by id."""

@@ -19,6 +19,7 @@ from lammps_skin.cli.run import run
 from lammps_skin.cli.scenes import scenes
 from lammps_skin.cli.snapshot import snapshot
 from lammps_skin.cli.stats import stats
+from lammps_skin.cli.tradeoff import tradeoff
 from lammps_skin.errors import SkinError
 
 app = typer.Typer(
@@ -28,7 +29,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 for command in (
-    scenes, check, build, run, convert, export, evaluate, stats, ensemble, snapshot, figure
+    scenes, check, build, run, convert, export, evaluate, stats, ensemble, snapshot, figure,
+    tradeoff,
 ):  # fmt: skip
     app.command()(command)
 

@@ -44,7 +44,7 @@ def ensemble(
     if not scenes and not runs:
         raise SceneError("scene: give at least one, or runs to take in with --from")
     described = [scene_from(scene, parameters, settings) for scene in scenes or ()]
-    members = ensembles.members(described, _seeds(seeds), output)
+    members = ensembles.members(described, seeds_of(seeds), output)
     failures: dict[str, str] = {}
     for directory in runs or ():
         try:
@@ -59,7 +59,7 @@ def ensemble(
     console.print(f"{len(members)} runs, {len(members) - len(todo)} of them there")
     try:
         if todo:
-            failures |= _run(todo, jobs, keep)
+            failures |= run_members(todo, jobs, keep)
     except KeyboardInterrupt:
         console.print("interrupted; the same command goes on with what is missing")
         raise typer.Exit(INTERRUPTED) from None
@@ -72,7 +72,7 @@ def ensemble(
         raise typer.Exit(FAILED)
 
 
-def _run(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
+def run_members(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
     """Run with a progress bar; what failed, by label."""
     from lammps_skin.ensemble import run_all
 
@@ -100,7 +100,7 @@ def _run(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
     return {member.label: text for member, text in failed.items()}
 
 
-def _seeds(text: str) -> list[int]:
+def seeds_of(text: str) -> list[int]:
     """Seeds of a list of numbers and ranges."""
     found: list[int] = []
     for part in text.split(","):

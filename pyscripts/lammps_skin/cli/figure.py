@@ -1,0 +1,93 @@
+"""``skin figure``: the figures of the paper, from runs that are there or that it starts."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from lammps_skin.cli.ensemble import run_members, seeds_of
+from lammps_skin.cli.options import Parameters, Settings, console, duration, scene_from
+from lammps_skin.errors import FigureError
+
+if TYPE_CHECKING:
+    from lammps_skin.figures.paper import Request
+
+
+def figure(
+    number: Annotated[
+        int | None, typer.Argument(metavar="N", help="Number; the figures are listed without it.")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Scenes of a quarter of the paper's size.")
+    ] = False,
+    data: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder of an ensemble, for tables and runs.")
+    ] = Path("ensemble"),
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the figure.")
+    ] = Path("figures"),
+    seeds: Annotated[
+        str | None,
+        typer.Option(metavar="SEEDS", help="Such as 1-8; those of the tables if not given."),
+    ] = None,
+    jobs: Annotated[int, typer.Option(min=1, max=4096, help="Runs at a time.")] = 1,
+    yes: Annotated[bool, typer.Option("--yes", help="Start missing runs without asking.")] = False,
+    parameters: Parameters = None,
+    settings: Settings = None,
+) -> None:
+    """Draw a figure of the paper; what has not been run is run after a question."""
+    from lammps_skin.figures import paper  # MDAnalysis takes a second to import
+    from lammps_skin.figures.snapshot import check_output, save
+
+    wanted = None if seeds is None else seeds_of(seeds)
+    size = "quarter" if quick else "paper"
+
+    def request(number: int) -> Request:
+        scenes = {
+            name: scene_from(f"{size}-{name}", parameters, settings)
+            for name in paper.figure_of(number).scenes
+        }
+        return paper.Request(number, scenes, wanted, data)
+
+    if number is None:
+        _list([request(number) for number in paper.FIGURES])
+        return
+    asked = request(number)
+    path = output / f"figure-{number}{'-quick' if quick else ''}.png"
+    check_output(path)
+    if asked.missing:
+        _run(asked, jobs, yes)
+    console.print(f"{save(asked.draw(), path)}: {asked.figure.title}")
+
+
+def _list(requests: list[Request]) -> None:
+    table = Table("", "figure", "scenes", "to be run", "expected", box=None)
+    for request in requests:
+        missing = request.missing
+        seconds = sum(member.seconds for member in missing)
+        table.add_row(
+            str(request.number), request.figure.title, ", ".join(request.scenes),
+            f"{len(missing)} runs" if missing else "nothing",
+            duration(seconds) if missing else "",
+        )  # fmt: skip
+    console.print(table)
+
+
+def _run(request: Request, jobs: int, yes: bool) -> None:
+    """Say what is missing and what it costs, ask, run."""
+    missing = request.missing
+    seconds = sum(member.seconds for member in missing) / min(jobs, len(missing))
+    names = ", ".join(dict.fromkeys(member.scene.name for member in missing))
+    need = f"figure {request.number} needs {len(missing)} runs of {names}, {duration(seconds)}"
+    if not yes:
+        if not sys.stdin.isatty():
+            raise FigureError(f"{need}; --yes starts them")
+        if not typer.confirm(f"{need}. Start them?"):
+            raise FigureError(f"{need}; none was started")
+    failed = run_members(missing, jobs, request.figure.of == "run")
+    for label, text in failed.items():
+        raise FigureError(f"figure {request.number}: {label}: {text}")

@@ -1,0 +1,38 @@
+"""``skin snapshot``: pictures of a run at a time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from lammps_skin.cli.options import console
+
+
+def snapshot(
+    run: Annotated[
+        Path, typer.Argument(metavar="RUN", help="Directory of a run, its skin.h5 or skin.dump.")
+    ],
+    time: Annotated[
+        float | None, typer.Option("--time", help="Of the frame [default: the last].")
+    ] = None,
+    view: Annotated[str, typer.Option(help="3d, below, height, section or all.")] = "3d",
+    show: Annotated[str, typer.Option(help="Cells to draw: some of stem,ta,nd.")] = "stem,ta,nd",
+    y: Annotated[
+        float | None,
+        typer.Option("--y", help="Of the section [default: through the highest stem cell]."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="[default: in the run's directory]"),
+    ] = None,
+) -> None:
+    """Draw a run at a time: in three dimensions, as a map of heights, as a vertical section."""
+    from lammps_skin.figures import snapshot as pictures  # MDAnalysis takes a second to import
+
+    at = "last" if time is None else f"t{time:g}"
+    folder = run if run.is_dir() else run.parent
+    path = output or folder / f"snapshot-{view}-{at}.png"
+    words = [word.strip().lower() for word in show.split(",") if word.strip()]
+    console.print(pictures.snapshot(run, time, path, view, words, y))

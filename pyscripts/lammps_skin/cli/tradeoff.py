@@ -1,0 +1,245 @@
+"""``skin tradeoff``: what choices of numerics cost and what they change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from lammps_skin.cli.ensemble import FAILED, INTERRUPTED, run_members, seeds_of
+from lammps_skin.cli.options import (
+    Parameters,
+    Settings,
+    Source,
+    changes_from,
+    console,
+    scene_from,
+)
+from lammps_skin.errors import SceneError
+from lammps_skin.tradeoff.grid import Grid, Variant, variants
+
+if TYPE_CHECKING:
+    from lammps_skin.tradeoff.bias import Bias, Window
+    from lammps_skin.tradeoff.measure import Laboratory
+    from lammps_skin.tradeoff.report import Report, Text
+
+
+WIDTH = 130  # of tables, also where the terminal is narrower
+
+
+def tradeoff(
+    source: Source,
+    grid: Annotated[
+        Grid, typer.Option("--grid", help="The levels of accuracy alone, or variations too.")
+    ] = "full",
+    more: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--variant", metavar="NAME:KEY=VALUE,...", help="Another choice of keys of numerics."
+        ),
+    ] = None,
+    start: Annotated[
+        Path | None,
+        typer.Option(
+            "--from", metavar="RUN", help="Run directory or restart file to begin from."
+        ),
+    ] = None,
+    interval: Annotated[
+        float, typer.Option(help="Length in time units of the runs that are compared.")
+    ] = 2.0,
+    quick: Annotated[bool, typer.Option("--quick", help="No ensembles.")] = False,
+    seeds: Annotated[str, typer.Option(metavar="SEEDS", help="Such as 1-8 or 1,3,10-12.")] = "1-8",
+    jobs: Annotated[int, typer.Option(min=1, max=4096, help="Ensemble runs at a time.")] = 1,
+    everything: Annotated[
+        bool, typer.Option("--all", help="Ensembles also of the variations of the grid.")
+    ] = False,
+    present: Annotated[
+        bool, typer.Option("--present", help="Ensembles from tables that are there alone.")
+    ] = False,
+    windows: Annotated[
+        str | None,
+        typer.Option(metavar="TIMES", help="Of ensembles, such as 300-600,800-1000."),
+    ] = None,
+    data: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder of an ensemble, for its tables.")
+    ] = Path("ensemble"),
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for tables and plot.")
+    ] = Path("tradeoff"),
+    parameters: Parameters = None,
+    settings: Settings = None,
+) -> None:
+    """Compare choices of numerics: error against time."""
+    from lammps_skin.tradeoff import bias, measure  # MDAnalysis takes a second to import
+
+    if not 0 < interval <= 1000:
+        raise SceneError(f"--interval {interval:g}: must be above 0 and at most 1000")
+    scene = scene_from(source, parameters, settings)
+    wanted = [variant_from(text) for text in more or ()]
+    found, left_out = variants(scene, interval, grid, wanted)
+    for reason in left_out:
+        console.print(f"left out: {reason}")
+    numbers = seeds_of(seeds)
+    times = bias.windows_of(windows, scene.end_time)
+    if not quick:
+        bias.check_ensemble(found[0], numbers)
+    laboratory = measure.Laboratory(scene, output / "measured", start, interval)
+    failures: dict[str, str] = {}
+    try:
+        _measure(laboratory, found)
+        if not (quick or present):
+            members = [
+                member
+                for one in found if everything or one.chosen
+                for member in (bias.member(one, seed, data) for seed in numbers)
+                if not member.done
+            ]  # fmt: skip
+            failures = run_members(members, jobs, False) if members else {}
+    except KeyboardInterrupt:
+        console.print("interrupted; the same command goes on with what is missing")
+        raise typer.Exit(INTERRUPTED) from None
+
+    biases = {} if quick else _biases(found, numbers, data, times)
+    report = _report(laboratory, found, start, biases)
+    _show(report, output, scene.name)
+    for label, text in failures.items():
+        console.print(f"failed: {label}: {text}")
+    if failures:
+        raise typer.Exit(FAILED)
+
+
+def variant_from(text: str) -> tuple[str, dict[str, Any]]:
+    """Name and keys of numerics of NAME:KEY=VALUE,KEY=VALUE."""
+    name, colon, keys = text.partition(":")
+    if not colon:
+        raise SceneError(
+            f"--variant {text}: must be NAME:KEY=VALUE,..., such as slow:timestep=0.002"
+        )
+    pairs = [pair.strip().removeprefix("numerics.") for pair in keys.split(",")]
+    try:
+        return name.strip(), changes_from(None, pairs)
+    except SceneError:
+        raise SceneError(
+            f"--variant {text}: {keys!r} must be KEY=VALUE,..., such as timestep=0.002"
+        ) from None
+
+
+def _measure(laboratory: Laboratory, found: list[Variant]) -> None:
+    """Trajectories and timings that are missing, with a progress bar in force evaluations."""
+    from lammps_skin.tradeoff.measure import ROUNDS
+
+    trajectories = [
+        one for one in (laboratory.finest(), *found) if not laboratory.reached_path(one).exists()
+    ]
+    sittings = laboratory.sittings(found)
+    console.print(f"{len(trajectories)} trajectories and {len(sittings)} rounds of timing to do")
+    if not trajectories and not sittings:
+        return
+
+    def work(one: Variant) -> float:
+        numerics = one.scene.numerics
+        return laboratory.interval * numerics.evaluations / numerics.timestep
+
+    total = sum(map(work, trajectories)) + ROUNDS * sum(map(work, sum(sittings, [])))
+    bar = Progress(
+        TextColumn("{task.fields[news]}", markup=False),
+        BarColumn(bar_width=20),
+        TextColumn("{task.percentage:.0f} %", markup=False),
+        TimeRemainingColumn(),
+        console=console,
+    )
+    with bar:
+        task = bar.add_task("", total=total, news="")
+        done = 0.0
+        for one in trajectories:
+            part = work(one)
+
+            def advance(name: str, time: float, part: float = part, done: float = done) -> None:
+                reached = done + part * time / laboratory.interval
+                bar.update(task, completed=reached, news=f"trajectory of {name}")
+
+            laboratory.reached(one, advance)
+            done += part
+            bar.update(task, completed=done)
+        for sitting in sittings:
+            parts = {one.name: work(one) for one in sitting}
+
+            def turn(name: str, _: float, parts: dict[str, float] = parts) -> None:
+                bar.update(task, advance=parts[name], news=f"time of {name}")
+
+            laboratory.sit(sitting, turn)
+
+
+def _biases(
+    found: list[Variant], seeds: list[int], data: Path, windows: list[Window]
+) -> dict[str, list[Bias]]:
+    """Of all variants, the reference apart, that share seeds with it."""
+    from lammps_skin.tradeoff.bias import biases, tables
+
+    reference, *others = found
+    theirs = tables(reference, seeds, data)
+    ours = {one.name: tables(one, seeds, data) for one in others}
+    return {
+        name: biases(of_seeds, theirs, windows)
+        for name, of_seeds in ours.items() if of_seeds.keys() & theirs.keys()
+    }  # fmt: skip
+
+
+def _report(
+    laboratory: Laboratory, found: list[Variant], start: Path | None, biases: dict[str, list[Bias]]
+) -> Report:
+    """All that has been measured."""
+    from lammps_skin.tradeoff.errors import distance, orders
+    from lammps_skin.tradeoff.report import Report, row
+
+    truth = laboratory.reached(laboratory.finest())
+    if truth.problem:
+        raise SceneError(f"the finest run, with which all are compared: {truth.problem}")
+    reached = {one.name: laboratory.reached(one) for one in found}
+    sides = laboratory.scene.box_sides
+    distances = {name: distance(run, truth, sides) for name, run in reached.items()}
+    rows = [
+        row(
+            one, laboratory.interval, reached[one.name], laboratory.timing(one),
+            distances[one.name], biases.get(one.name, []),
+        )
+        for one in found
+    ]  # fmt: skip
+    whence = "its start" if start is None else str(start)
+    timestep = laboratory.finest().scene.numerics.timestep
+    notes = [
+        f"Runs of {laboratory.interval:g} time units from {whence}. rms and largest: distances of "
+        f"particles, without births and removals, from forward Euler with a timestep of "
+        f"{timestep:g}. CPU: over the reference, in turns in one process, with births and removals."
+    ]
+    return Report(f"{laboratory.scene.name}", notes, rows, orders(found, distances), biases)
+
+
+def _show(report: Report, output: Path, name: str) -> None:
+    """Print the tables, write them and the plot."""
+    from lammps_skin.figures.snapshot import save
+    from lammps_skin.tradeoff.plot import draw
+    from lammps_skin.tradeoff.report import bias_table, orders_table, rows_table
+
+    _print(*rows_table(report.rows))
+    if report.orders:
+        _print(*orders_table(report.orders))
+    for variant, found in report.biases.items():
+        console.print(f"{variant}:")
+        _print(*bias_table(found))
+    for row in report.rows:
+        if row.problem:
+            console.print(f"{row.variant}: {row.problem}")
+    for path in report.write(output, name):
+        console.print(str(path))
+    console.print(str(save(draw(report), output / f"{name}.png")))
+
+
+def _print(names: list[str], cells: list[list[str]]) -> None:
+    table = Table(*names, box=None)
+    for line in cells:
+        table.add_row(*line)
+    console.print(table, width=max(console.width, WIDTH))

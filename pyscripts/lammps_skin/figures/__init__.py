@@ -1,0 +1,1 @@
+"""Pictures of runs and curves of ensembles: one figure, one file."""

@@ -1,0 +1,42 @@
+"""Snapshots side by side: the ring run at several times, the scenes with ND cells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from lammps_skin.figures.moments import last_time, read_moments
+from lammps_skin.figures.snapshot import draw_view, kinds_of, legend
+from lammps_skin.kinds import CELLS
+
+WIDTH = 600  # of a panel, pixels
+PARTS_OF_THE_TIME = (0.1, 0.3, 0.6, 1.0)
+
+
+def draw_run(run: Path) -> Figure:
+    """One run at several times: stem cells alone, and all cells below."""
+    end = last_time(run)
+    moments = read_moments(run, [part * end for part in PARTS_OF_THE_TIME])
+    figure = Figure(figsize=(4.5 * len(moments), 8.2), layout="constrained")
+    panels = figure.subplots(2, len(moments))
+    for row, kinds in zip(panels, (kinds_of(["stem"]), CELLS), strict=True):
+        for axes, moment in zip(row, moments, strict=True):
+            draw_view(axes, moment, kinds, WIDTH)
+    legend(figure, moments[-1], CELLS)
+    return figure
+
+
+def draw_scenes(runs: Mapping[str, Path]) -> Figure:
+    """Several runs at their start and, below, at their end: stem and ND cells."""
+    kinds = kinds_of(["stem", "nd"])
+    figure = Figure(figsize=(4.5 * len(runs), 8.2), layout="constrained")
+    panels = figure.subplots(2, len(runs), squeeze=False)
+    for column, (label, run) in zip(panels.T, runs.items(), strict=True):
+        moments = read_moments(run, [0.0, None])
+        for axes, moment in zip(column, moments, strict=True):
+            draw_view(axes, moment, kinds, WIDTH)
+            axes.set_title(f"{label}, t = {moment.time:g}")
+    legend(figure, moments[-1], kinds)
+    return figure

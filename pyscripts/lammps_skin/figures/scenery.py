@@ -1,0 +1,74 @@
+"""Three-dimensional pictures of the membrane and its cells."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_skin.analysis.geometry import Floats, minimum_image, wrapped
+from lammps_skin.figures.moments import Moment
+from lammps_skin.figures.palette import COLOURS, SKIN
+from lammps_skin.figures.render import Spheres, Surface, picture
+from lammps_skin.kinds import Kind
+
+AZIMUTH, ABOVE, BELOW = -62.0, 42.0, -42.0  # degrees: where the viewer stands
+
+
+def membrane_surface(moment: Moment) -> Surface:
+    """The membrane in one box, cut off straight at its sides, with smooth normals."""
+    membrane, triangles = moment.membrane, moment.triangles
+    a = wrapped(membrane[triangles[:, 0]], moment.box)
+    edges = [membrane[triangles[:, n]] - membrane[triangles[:, 0]] for n in (1, 2)]
+    ab, ac = (minimum_image(edge, moment.box) for edge in edges)
+    normals = np.zeros_like(membrane)
+    np.add.at(normals, triangles, np.cross(ab, ac)[:, None])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+
+    corners, of = [], []
+    sides = np.array([*moment.box, np.inf])
+    for i, j in np.ndindex(3, 3):
+        image = np.stack([a, a + ab, a + ac], axis=1)
+        image[..., :2] += (np.array([i, j]) - 1) * sides[:2]
+        inside = ((image.max(axis=1) > 0) & (image.min(axis=1) < sides))[:, :2].all(axis=1)
+        corners.append(np.clip(image[inside], [0, 0, -np.inf], sides))
+        of.append(normals[triangles[inside]])
+    return Surface(np.concatenate(corners), np.concatenate(of), np.array(SKIN))
+
+
+def cell_spheres(moment: Moment, show: Sequence[Kind]) -> Spheres:
+    """The cells of some kinds in one box, at their radius R_c."""
+    chosen = np.isin(moment.kinds, show)
+    centers = wrapped(moment.positions[chosen], moment.box)
+    colours = np.array([COLOURS[Kind(kind)] for kind in moment.kinds[chosen]]).reshape(-1, 3)
+    return Spheres(centers, np.full(len(centers), moment.scene.cells.radius), colours)
+
+
+def view(
+    moment: Moment, show: Sequence[Kind], width: int, below: bool = False
+) -> NDArray[np.float64]:
+    """Picture (height, width, 3) of a moment, from above or from the dermis below it.
+
+    Parameters
+    ----------
+    moment : Moment
+    show : sequence of Kind
+        Kinds of cells to draw.
+    width : int
+        Pixels.
+    below : bool
+        Whether the viewer stands in the dermis, which is not drawn.
+    """
+    surface, spheres = membrane_surface(moment), cell_spheres(moment, show)
+    frame = _frame(moment, spheres)
+    elevation = BELOW if below else ABOVE
+    things: list[Surface | Spheres] = [surface, spheres]
+    return picture(things, frame, AZIMUTH, elevation, width, moment.scene.cells.radius)
+
+
+def _frame(moment: Moment, spheres: Spheres) -> Floats:
+    """Corners (8, 3) of the box around the membrane and the cells that are drawn."""
+    heights = np.concatenate([moment.membrane[:, 2], spheres.centers[:, 2]])
+    sides = np.array([[0.0, moment.box[0]], [0.0, moment.box[1]], [heights.min(), heights.max()]])
+    return np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 3)

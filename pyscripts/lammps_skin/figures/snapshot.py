@@ -1,0 +1,129 @@
+"""Snapshots of a run: three-dimensional, as a map of heights, as a vertical section."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from lammps_skin.errors import FigureError
+from lammps_skin.figures.moments import Moment, Source, read_moments
+from lammps_skin.figures.palette import COLOURS, NAMES
+from lammps_skin.figures.plane import draw_heights, draw_section, highest_stem
+from lammps_skin.figures.scenery import view
+from lammps_skin.kinds import CELLS, Kind
+
+SHOWN = {"stem": (Kind.STEM,), "ta": (Kind.TA, Kind.EXHAUSTED), "nd": (Kind.ND,)}
+DOTS_PER_INCH = 100
+WIDTH = 750  # of a picture in three dimensions, pixels
+BOUND = (Kind.STEM, Kind.ND)  # the cells on a map of heights
+
+
+def kinds_of(show: Sequence[str]) -> tuple[Kind, ...]:
+    """Kinds of cells by the words of `SHOWN`."""
+    unknown = [word for word in show if word not in SHOWN]
+    if unknown or not show:
+        raise FigureError(f"show = {','.join(show)!r}: must be some of {', '.join(SHOWN)}")
+    return tuple(kind for word in SHOWN if word in show for kind in SHOWN[word])
+
+
+def draw_view(
+    axes: Axes, moment: Moment, kinds: Sequence[Kind], width: int, below: bool = False
+) -> None:
+    """The picture in three dimensions, of a width in pixels, with its time."""
+    axes.imshow(view(moment, kinds, width, below))
+    axes.set_axis_off()
+    axes.set_title(f"t = {moment.time:g}" + (", from the dermis" if below else ""))
+
+
+def legend(figure: Figure, moment: Moment, kinds: Sequence[Kind]) -> None:
+    """Names of the kinds of cells that there are."""
+    there = [kind for kind in CELLS if kind in kinds and kind in moment.kinds]
+    patches = [Patch(facecolor=COLOURS[k], edgecolor="0.3", label=NAMES[k]) for k in there]
+    if patches:
+        figure.legend(handles=patches, loc="outside lower center", ncols=len(there), frameon=False)
+
+
+def _heights(axes: Axes, moment: Moment, kinds: Sequence[Kind], _: float) -> None:
+    image = draw_heights(axes, moment, [kind for kind in kinds if kind in BOUND])
+    axes.set_title(f"height of the membrane, t = {moment.time:g}")
+    assert axes.figure is not None
+    axes.figure.colorbar(image, ax=axes, label="z", shrink=0.8)
+
+
+VIEWS: dict[str, Callable[[Axes, Moment, Sequence[Kind], float], None]] = {
+    "3d": lambda axes, moment, kinds, _: draw_view(axes, moment, kinds, WIDTH),
+    "below": lambda axes, moment, kinds, _: draw_view(axes, moment, kinds, WIDTH, below=True),
+    "height": _heights,
+    "section": lambda axes, moment, kinds, y: draw_section(axes, moment, y, kinds),
+}
+
+
+def snapshot(
+    source: Source, time: float | None, path: str | Path, view: str = "3d",
+    show: Sequence[str] = tuple(SHOWN), y: float | None = None,
+) -> Path:  # fmt: skip
+    """Write a picture of a run at a time.
+
+    Parameters
+    ----------
+    source : path or Universe
+        Of a run, see `read_moments`.
+    time : float or None
+        The frame nearest to it is drawn; None is the last, or the present one of a Universe.
+    path : path
+        File to write; its suffix gives the format.
+    view : str
+        One of `VIEWS`, or "all" for all of them.
+    show : sequence of str
+        Cells to draw, of "stem", "ta" and "nd"; on the map of heights those that are bound.
+    y : float, optional
+        Of the section; through the highest stem cell if not given.
+
+    Raises
+    ------
+    FigureError
+        If there is no such frame, view or kind of cell, or if the file cannot be written.
+    """
+    if view != "all" and view not in VIEWS:
+        raise FigureError(f"view = {view!r}: must be one of {', '.join(VIEWS)}, all")
+    kinds = kinds_of(show)
+    check_output(path)
+    (moment,) = read_moments(source, [time])
+    if y is not None and not 0 <= y <= moment.box[1]:
+        raise FigureError(f"y = {y:g}: must be from 0 to L_y = {moment.box[1]:g}")
+    views = list(VIEWS) if view == "all" else [view]
+    columns = 2 if view == "all" else 1
+    figure = Figure(figsize=(7.5 * columns, 6.0 * columns), layout="constrained")
+    for n, name in enumerate(views):
+        axes = figure.add_subplot(columns, columns, n + 1)
+        VIEWS[name](axes, moment, kinds, highest_stem(moment) if y is None else y)
+    legend(figure, moment, BOUND if view == "height" else kinds)
+    return save(figure, path)
+
+
+def check_output(path: str | Path) -> Path:
+    """The path of a picture that can be written; its folder is made if need be."""
+    path = Path(path)
+    formats = FigureCanvasAgg.get_supported_filetypes()
+    if path.suffix.removeprefix(".") not in formats:
+        raise FigureError(f"output {path}: its suffix must be one of {', '.join(sorted(formats))}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FigureError(f"output {path}: {error.strerror}") from None
+    return path
+
+
+def save(figure: Figure, path: str | Path) -> Path:
+    """Write a figure."""
+    path = check_output(path)
+    try:
+        figure.savefig(path, dpi=DOTS_PER_INCH, facecolor="white")
+    except OSError as error:
+        raise FigureError(f"output {path}: {error.strerror}") from None
+    return path

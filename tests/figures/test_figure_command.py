@@ -1,0 +1,70 @@
+"""``skin snapshot`` and ``skin figure``."""
+
+from __future__ import annotations
+
+import matplotlib.image
+import pytest
+
+from tests.cli.conftest import refused, skin  # noqa: F401
+
+SMALL = (
+    "--set", "membrane.lattice=[24,28]", "--set", "dermis.present=false", "--set", "cells.stem=1",
+    "--set", "end_time=2.0", "--set", "output.dump_interval=0.2",
+)  # fmt: skip
+
+
+def test_snapshot(skin, run, tmp_path):  # noqa: F811
+    answer = skin("snapshot", run, "--time", 5, "--view", "section", "-o", "new/picture.png")
+    assert answer.code == 0
+    assert answer.out.strip() == "new/picture.png"
+    assert matplotlib.image.imread(tmp_path / "new/picture.png").std() > 0.05
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        (["--time", "400"], "time = 400: the nearest frame of"),
+        (["--view", "top"], "view = 'top': must be one of"),
+        (["--show", "stem,fibre"], "show = 'stem,fibre': must be some of"),
+        (["--view", "section", "-o", "/dev/null/a.png"], "output /dev/null/a.png: File exists"),
+    ],
+)
+def test_snapshots_that_cannot_be_are_refused(refused, run, options, text):  # noqa: F811
+    assert refused("snapshot", run, *options).startswith(text)
+
+
+def test_figures_are_listed_with_what_they_cost(skin):  # noqa: F811
+    answer = skin("figure", "--quick")
+    assert answer.code == 0
+    lines = answer.out.splitlines()
+    assert any("potentials" in line and "nothing" in line for line in lines)
+    assert any("chi_H" in line and "24 runs" in line for line in lines)
+
+
+def test_a_figure_that_needs_no_run(skin, tmp_path):  # noqa: F811
+    answer = skin("figure", 1, "-o", "out")
+    assert (answer.code, answer.out.strip()) == (0, "out/figure-1.png: the potentials")
+    assert matplotlib.image.imread(tmp_path / "out/figure-1.png").std() > 0.05
+
+
+def test_runs_are_not_started_without_a_word(refused, tmp_path):  # noqa: F811
+    told = refused("figure", 3, "--quick", "--seeds", "1-2")
+    assert told.startswith("figure 3 needs 6 runs of quarter-ring, quarter-cluster, quarter-random")
+    assert told.endswith("--yes starts them")
+    assert [path.name for path in tmp_path.iterdir()] == ["figures"]
+
+
+def test_unknown_figures_are_refused(refused):  # noqa: F811
+    assert refused("figure", 9) == "figure 9: must be one of 1, 2, 3, 4, 5, 6"
+    assert refused("figure", 3, "--seeds", "one").startswith("--seeds one: must be")
+
+
+def test_missing_runs_are_run(skin, tmp_path):  # noqa: F811
+    """A small scene in place of the paper's, and from then on nothing is missing."""
+    first = skin("figure", 2, "--yes", "--quick", *SMALL)
+    assert first.code == 0, first.err
+    picture = tmp_path / "figures/figure-2-quick.png"
+    assert matplotlib.image.imread(picture).std() > 0.02
+    picture.unlink()
+    assert skin("figure", 2, "--quick", *SMALL).code == 0
+    assert picture.exists()

@@ -1,0 +1,95 @@
+"""Map of heights and vertical section."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from lammps_skin.figures.palette import COLOURS
+from lammps_skin.figures.plane import (
+    draw_heights,
+    draw_section,
+    highest_stem,
+    section_circles,
+    section_lines,
+)
+from lammps_skin.kinds import Kind
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+
+def colour_at(axes, figure, x, z):
+    """Red, green and blue in the picture at a point of the data."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    column, row = axes.transData.transform((x, z))
+    pixels = np.asarray(canvas.buffer_rgba())
+    return pixels[pixels.shape[0] - 1 - int(row), int(column), :3] / 255
+
+
+@pytest.mark.parametrize("y", [0.0, 7.3, 15.0])
+def test_the_section_of_a_wavy_membrane(landscape, y):
+    lx = 30.0
+    moment = landscape(lambda x, _: 10 + np.sin(2 * np.pi * x / lx))
+    lines = section_lines(moment, y)
+    x, z = lines.reshape(-1, 2).T
+    assert z == pytest.approx(10 + np.sin(2 * np.pi * x / lx), abs=5e-3)
+    assert np.abs(np.diff(lines[..., 0])).sum() == pytest.approx(lx)
+
+
+def test_the_section_of_a_slope_in_y(landscape):
+    moment = landscape(lambda _, y: 10 + np.abs(y - 15))
+    lines = section_lines(moment, 9.0)
+    assert lines[..., 1] == pytest.approx(16.0)
+
+
+def test_circles_of_a_section(landscape):
+    ly = 70 * 0.5 * np.sqrt(3) / 2
+    moment = landscape(
+        lambda x, _: 10 + 0 * x,
+        (Kind.STEM, 4.0, 5.0, 13.0), (Kind.STEM, 9.0, 7.0, 13.0), (Kind.ND, 2.0, ly - 0.2, 14.0),
+    )  # fmt: skip
+    centers, radii = section_circles(moment, 5.5, Kind.STEM)
+    assert centers == pytest.approx(np.array([[4.0, 13.0]]))
+    assert radii == pytest.approx([np.sqrt(1.4**2 - 0.5**2)])
+    centers, radii = section_circles(moment, 0.3, Kind.ND)  # through the periodic edge
+    assert centers == pytest.approx(np.array([[2.0, 14.0]]))
+    assert radii == pytest.approx([np.sqrt(1.4**2 - 0.5**2)])
+
+
+def test_the_picture_of_a_section(landscape):
+    moment = landscape(
+        lambda x, _: 10 + 0 * x,
+        (Kind.STEM, 4.0, 5.0, 12.4), (Kind.ND, 20.0, 5.0, 12.4), (Kind.DERMAL, 12.0, 5.0, 5.0),
+    )  # fmt: skip
+    figure = Figure()
+    axes = figure.add_subplot()
+    draw_section(axes, moment, 5.0, (Kind.STEM, Kind.TA, Kind.ND))
+    for x, z, colour in [
+        (4.0, 12.4, COLOURS[Kind.STEM]), (20.0, 12.4, COLOURS[Kind.ND]),
+        (12.0, 5.0, COLOURS[Kind.DERMAL]), (15.0, 7.0, (1, 1, 1)),
+    ]:  # fmt: skip
+        assert colour_at(axes, figure, x, z) == pytest.approx(colour, abs=0.01)
+    assert colour_at(axes, figure, 9.0, 10.0).max() < 0.4
+
+
+def test_the_map_of_heights(landscape):
+    moment = landscape(
+        lambda x, y: 10 + 3 * np.exp(-((x - 20) ** 2 + (y - 8) ** 2) / 8),
+        (Kind.STEM, 5.0, 25.0, 13.0),
+    )
+    figure = Figure()
+    axes = figure.add_subplot()
+    image = draw_heights(axes, moment, [Kind.STEM])
+    height = np.asarray(image.get_array())
+    row, column = np.unravel_index(height.argmax(), height.shape)
+    sides = np.array(moment.box)
+    assert np.array([column, row]) / height.shape[::-1] * sides == pytest.approx([20, 8], abs=0.3)
+    assert height.max() == pytest.approx(13, abs=0.05)
+    assert colour_at(axes, figure, 5.0, 25.0) == pytest.approx(COLOURS[Kind.STEM], abs=0.01)
+
+
+def test_the_highest_stem_cell(landscape):
+    flat = lambda x, _: 10 + 0 * x  # noqa: E731
+    stem = (Kind.STEM, 4.0, 5.0, 12.4), (Kind.STEM, 4.0, 9.0, 12.6)
+    assert highest_stem(landscape(flat, *stem)) == 9.0
+    assert highest_stem(landscape(flat)) == pytest.approx(70 * 0.5 * np.sqrt(3) / 4)
