@@ -267,7 +267,10 @@ double BondSkinStretch::equilibrium_distance(int i)
 
 void BondSkinStretch::write_restart(FILE *fp)
 {
-  for (int i = 1; i <= atom->nbondtypes; i++) fwrite(coeffs[i], sizeof(double), NCOEFFS, fp);
+  const size_t n = (size_t) NCOEFFS * atom->nbondtypes;
+  if (fwrite(coeffs[1], sizeof(double), n, fp) != n)
+    error->one(FLERR, "Bond skin/stretch: cannot write to the restart file: {}",
+               utils::getsyserror());
 }
 
 /* ---------------------------------------------------------------------- */
@@ -289,9 +292,9 @@ void BondSkinStretch::read_restart(FILE *fp)
 void BondSkinStretch::write_data(FILE *fp)
 {
   for (int i = 1; i <= atom->nbondtypes; i++) {
-    fprintf(fp, "%d", i);
-    for (int k = 0; k < NCOEFFS; k++) fprintf(fp, " %.17g", coeffs[i][k]);
-    fputs("\n", fp);
+    utils::print(fp, "{}", i);
+    for (int k = 0; k < NCOEFFS; k++) utils::print(fp, " {:.17g}", coeffs[i][k]);
+    utils::print(fp, "\n");
   }
 }
 

@@ -9,7 +9,7 @@ namespace LAMMPS_NS {
 
 class BondSkinStretch : public Bond {
  public:
-  BondSkinStretch(class LAMMPS *);
+  explicit BondSkinStretch(class LAMMPS *);
   ~BondSkinStretch() override;
   void compute(int, int) override;
   void coeff(int, char **) override;

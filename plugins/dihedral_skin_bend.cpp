@@ -379,7 +379,10 @@ void DihedralSkinBend::init_style()
 
 void DihedralSkinBend::write_restart(FILE *fp)
 {
-  fwrite(&stiffness[1], sizeof(double), atom->ndihedraltypes, fp);
+  const size_t n = atom->ndihedraltypes;
+  if (fwrite(&stiffness[1], sizeof(double), n, fp) != n)
+    error->one(FLERR, "Dihedral skin/bend: cannot write to the restart file: {}",
+               utils::getsyserror());
 }
 
 /* ---------------------------------------------------------------------- */
@@ -399,7 +402,8 @@ void DihedralSkinBend::read_restart(FILE *fp)
 
 void DihedralSkinBend::write_data(FILE *fp)
 {
-  for (int i = 1; i <= atom->ndihedraltypes; i++) fprintf(fp, "%d %.17g\n", i, stiffness[i]);
+  for (int i = 1; i <= atom->ndihedraltypes; i++)
+    utils::print(fp, "{} {:.17g}\n", i, stiffness[i]);
 }
 
 /* ---------------------------------------------------------------------- */

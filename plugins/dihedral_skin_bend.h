@@ -9,7 +9,7 @@ namespace LAMMPS_NS {
 
 class DihedralSkinBend : public Dihedral {
  public:
-  DihedralSkinBend(class LAMMPS *);
+  explicit DihedralSkinBend(class LAMMPS *);
   ~DihedralSkinBend() override;
   void compute(int, int) override;
   void coeff(int, char **) override;

@@ -25,7 +25,7 @@ static const char *const KIND_NAMES[] = {"none", "stem", "ta", "exhausted", "nd"
 /* ---------------------------------------------------------------------- */
 
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), seed(0), type_of_kind{}, membrane_type(0), contact(0.0), adhesion_stiffness(0.0),
+    Fix(lmp, narg, arg), seed(0), type_of_kind{}, membrane_type(0), contact(0.0), core(0.0), adhesion_stiffness(0.0),
     adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0), cycle_rate(0.0),
     first_phase(0.0), spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
     half_separation(0.0), generations(0), every(1), next_id(0), births(0), deaths(0), state{},

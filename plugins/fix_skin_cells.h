@@ -49,6 +49,7 @@ class FixSkinCells : public Fix {
   int type_of_kind[NKINDS], membrane_type;
   std::vector<int> kind_of_type;
   double contact;                                        // cell-membrane contact length
+  double core;                                           // closest that a cell may come to it
   double adhesion_stiffness, adhesion_range;             // K and lambda of adhesion
   double binding_stiffness;                              // K of binding
   double cycle_delay, cycle_rate, first_phase;           // T0, gamma, first elapsed times
@@ -89,6 +90,7 @@ class FixSkinCells : public Fix {
 
   void list_cells();
   void attach(int, const SkinNearest::Neighbor &);
+  void pierced(int, const SkinNearest::Neighbor &, double) const;
   void pull_pair(int);
   void add_pair_force(int, int, double);
   void write_row(int, const SkinNearest::Neighbor &);

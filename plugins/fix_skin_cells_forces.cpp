@@ -84,6 +84,7 @@ void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
   const bool bound = (kind == STEM || kind == ND);
   const double r = closest.index < 0 ? INFINITY : std::sqrt(closest.distsq);
   const double stretch = r / contact - 1.0;
+  if (r < core && time_offset == 0.0) pierced(i, closest, r);
   double slope = 0.0;    // du/d(stretch), times K
 
   if (bound) {
@@ -110,6 +111,18 @@ void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
   }
 
   if (slope != 0.0) add_pair_force(i, closest.index, -slope / (contact * r));
+}
+
+/* ----------------------------------------------------------------------
+   no force lets a cell come so close: it is on its way through the membrane
+------------------------------------------------------------------------- */
+
+void FixSkinCells::pierced(int i, const SkinNearest::Neighbor &closest, double r) const
+{
+  error->one(FLERR, "Fix skin/cells: cell {} of type {} breaks through the membrane on step {}: it "
+             "is at {} from membrane particle {}, less than {}; try a smaller timestep than {}",
+             atom->tag[i], atom->type[i], update->ntimestep, r, atom->tag[closest.index], core,
+             update->dt);
 }
 
 /* ----------------------------------------------------------------------

@@ -87,6 +87,8 @@ void FixSkinCells::parse(int narg, char **arg)
       kind(ND);
     } else if (keyword == "contact") {
       contact = number(keyword, values(1)[0], POSITIVE, lmp);
+    } else if (keyword == "core") {
+      core = number(keyword, values(1)[0], NOT_NEGATIVE, lmp);
     } else if (keyword == "adhesion") {
       char **v = values(2);
       adhesion_stiffness = number("adhesion K", v[0], NOT_NEGATIVE, lmp);

@@ -171,9 +171,10 @@ bool FixSkinMotion::advance(double part, double since)
 
   for (int s = 0; s < nstages; s++) {
     const Move move = stage(method.stages[s], part);
-    if (nstages > 1 && !(move.length <= largest_move)) {
+    const bool too_far = nstages > 1 && move.length > largest_move;
+    if (too_far || std::isinf(move.length)) {
       restore_start(since - update->dt);
-      if (!(0.5 * part > SHORTEST * update->dt)) unstable(move, part);
+      if (nstages == 1 || !(0.5 * part > SHORTEST * update->dt)) unstable(move, part);
       return false;
     }
     if (s + 1 < nstages)
@@ -183,7 +184,8 @@ bool FixSkinMotion::advance(double part, double since)
 }
 
 /* ----------------------------------------------------------------------
-   one stage: new positions; returns the longest way from the start of this part
+   one stage: new positions; returns the longest way from the start of this part, infinite for
+   what is no number
 ------------------------------------------------------------------------- */
 
 FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
@@ -209,7 +211,6 @@ FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
     longest = std::isnan(distsq) ? INFINITY : distsq;
     offender = i;
   }
-  if (std::isinf(largest_move)) return {0.0, 0};
   return furthest(std::sqrt(longest));
 }
 
@@ -219,7 +220,7 @@ FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
 
 FixSkinMotion::Move FixSkinMotion::furthest(double mine)
 {
-  Move local = {mine, comm->me}, all;
+  Move local = {mine, comm->me}, all = {};
   MPI_Allreduce(&local, &all, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
   return all;
 }

@@ -10,12 +10,12 @@
 namespace LAMMPS_NS {
 
 struct SkinStage {
-  double previous, before, start, force, first, time;
+  double previous = 0.0, before = 0.0, start = 0.0, force = 0.0, first = 0.0, time = 0.0;
 };
 
 struct SkinStages {
   std::vector<SkinStage> stages;
-  double reach;    // dt times the largest eigenvalue must stay below this
+  double reach = 0.0;    // dt times the largest eigenvalue must stay below this
 
   static SkinStages euler();
   static SkinStages first_order(int);

@@ -56,7 +56,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
                                                                          void *regfunc)
 {
   auto register_plugin = (lammpsplugin_regfunc) regfunc;
-  lammpsplugin_t plugin;
+  lammpsplugin_t plugin = {};
 
   plugin.version = ((LAMMPS *) lmp)->version;
   plugin.author = "the lammps-skin authors";

@@ -29,6 +29,7 @@ SCRIPTS = (
     "skin.in", "state.in", "membrane.in", "dermis.in", "cells.in", "integration.in", "output.in",
 )  # fmt: skip
 SCENE_FILE = "scene.toml"
+CORE = 0.5  # of the contact length: no cell comes so close to the membrane
 
 
 def build(
@@ -142,6 +143,7 @@ def _cell_variables(scene: Scene, string: Any) -> Iterator[str]:
     yield string("cell_labels", *(kind.label for kind in cell_kinds(scene)))
     yield string("cell_kinds", *(f"{kind.label} {kind.label}" for kind in cell_kinds(scene)))
     yield string("contact", scene.contact)
+    yield string("core", CORE * scene.contact if cells.membrane_exclusion_stiffness else 0)
     yield string("adhesion", adhesion, cells.adhesion_range)
     yield string("binding", binding)
     yield string("cycle", cells.cycle_delay, cells.cycle_rate, cells.first_phase)

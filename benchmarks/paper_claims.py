@@ -1,0 +1,171 @@
+"""What the ensembles say of the paper's claims, as Markdown tables.
+
+Reads the gathered tables of `skin ensemble` (SCENE.csv.gz). Means over seeds with 95 % confidence
+intervals after Student's t; a value of one seed is its mean over the window.
+
+    python benchmarks/paper_claims.py docs/data [--size quarter]
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+from lammps_skin.analysis.statistics import Mean, mean
+from lammps_skin.ensemble import Table, load, over_time, window_means
+from scipy.stats import f_oneway
+
+ARRANGEMENTS = ("ring", "cluster", "random")
+ND_SCENES = ("nd-a", "nd-b", "nd-c", "nd-d")
+WINDOWS = ((300, 400), (400, 600), (600, 800), (800, 1000))
+LATE = (400, 1000)
+ORDERS = ("chi_H", "chi_G", "zeta", "sigma")
+
+
+def interval(value: Mean) -> str:
+    """Mean and confidence interval, or the value alone of one seed."""
+    if np.isnan(value.value):
+        return "-"
+    if np.isnan(value.low):
+        return f"{value.value:.2f}"
+    return f"{value.value:.2f} [{value.low:.2f}, {value.high:.2f}]"
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    head = list(head)
+    print("| " + " | ".join(head) + " |")
+    print("|" + " --- |" * len(head))
+    for row in rows:
+        print("| " + " | ".join(map(str, row)) + " |")
+    print()
+
+
+def windows(scenes: dict[str, Table], columns: Iterable[str]) -> None:
+    """Window means of columns for each scene."""
+    columns = list(columns)
+    table(
+        ["scene", "seeds", "t", *columns],
+        (
+            [name, len(np.unique(data["seed"])), f"{start}-{end}",
+             *(interval(mean(window_means(data, column, start, end))) for column in columns)]
+            for name, data in scenes.items()
+            for start, end in (*WINDOWS, LATE)
+        ),
+    )  # fmt: skip
+
+
+def differences(scenes: dict[str, Table], pairs: Iterable[tuple[str, str]]) -> None:
+    """Means over seeds of the difference of two columns in each window."""
+    table(
+        ["scene", "difference", *(f"{a}-{b}" for a, b in (*WINDOWS, LATE))],
+        (
+            [name, f"{first} - {second}",
+             *(interval(mean(window_means(data, first, *w) - window_means(data, second, *w)))
+               for w in (*WINDOWS, LATE))]
+            for name, data in scenes.items()
+            for first, second in pairs
+        ),
+    )  # fmt: skip
+
+
+def onset(data: Table, column: str) -> float:
+    """First time from which on the interval of the mean over seeds stays above 0 for 50."""
+    times, means = over_time(data, column)
+    above = np.array([value.low > 0 for value in means])
+    long = [above[n : n + 6].all() for n in range(len(above) - 5)]
+    return float(times[int(np.argmax(long))]) if any(long) else np.nan
+
+
+def half_time(data: Table, column: str) -> float:
+    """When the mean over seeds first reaches half of its mean over t = 400 to 600, after 200."""
+    times, means = over_time(data, column)
+    values = np.array([value.value for value in means])
+    plateau = values[(times >= 400) & (times <= 600)].mean()
+    reached = (times >= 200) & (values >= plateau / 2)
+    return float(times[int(np.argmax(reached))])
+
+
+def lags(data: Table, draws: int = 2000) -> tuple[float, float, float]:
+    """Half time of zeta less that of chi_H, with a bootstrap interval over seeds."""
+    seeds = np.unique(data["seed"])
+    parts = [data[data["seed"] == seed] for seed in seeds]
+    rng = np.random.default_rng(1)
+    drawn = []
+    for _ in range(draws if len(seeds) > 1 else 0):
+        chosen = [parts[n].copy() for n in rng.integers(0, len(seeds), len(seeds))]
+        for number, part in enumerate(chosen):
+            part["seed"] = number
+        sample = np.concatenate(chosen)
+        drawn.append(half_time(sample, "zeta") - half_time(sample, "chi_H"))
+    low, high = np.percentile(drawn, [2.5, 97.5]) if drawn else (np.nan, np.nan)
+    return half_time(data, "zeta") - half_time(data, "chi_H"), float(low), float(high)
+
+
+def covered(data: Table, level: float) -> Mean:
+    """First time at which so much of the membrane is covered."""
+    firsts = []
+    for seed in np.unique(data["seed"]):
+        own = data[data["seed"] == seed]
+        firsts.append(own["time"][int(np.argmax(own["coverage"] >= level))])
+    return mean(np.array(firsts, float))
+
+
+def beginnings(scenes: dict[str, Table]) -> None:
+    """When the membrane is covered, and when the order parameters rise."""
+    rows = []
+    for name, data in scenes.items():
+        lag, low, high = lags(data)
+        rows.append(
+            [name, interval(covered(data, 0.9)), interval(covered(data, 0.98)),
+             *(f"{onset(data, column):.0f}" for column in ("chi_H", "chi_G", "zeta")),
+             f"{lag:.0f} [{low:.0f}, {high:.0f}]"]
+        )  # fmt: skip
+    head = ["scene", "covered to 0.9", "to 0.98", "chi_H > 0 from", "chi_G > 0 from",
+            "zeta > 0 from", "zeta after chi_H by"]  # fmt: skip
+    table(head, rows)
+
+
+def arrangements(scenes: dict[str, Table]) -> None:
+    """One-way analysis of variance: does the arrangement matter?"""
+    rows = []
+    for column in (*ORDERS, "papillae", "skewness"):
+        for start, end in ((200, 400), LATE, (800, 1000)):
+            groups = [window_means(data, column, start, end) for data in scenes.values()]
+            test = f_oneway(*(group[~np.isnan(group)] for group in groups))
+            rows.append([column, f"{start}-{end}", f"{test.statistic:.2f}", f"{test.pvalue:.3f}"])
+    table(["column", "t", "F", "p"], rows)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--size", default="quarter", choices=("quarter", "paper"))
+    options = parser.parse_args()
+
+    def of(names: Iterable[str]) -> dict[str, Table]:
+        paths = {name: options.folder / f"{options.size}-{name}.csv.gz" for name in names}
+        return {name: load(path) for name, path in paths.items() if path.exists()}
+
+    ring, nd = of(ARRANGEMENTS), of(ND_SCENES)
+    print("Stem cells\n")
+    windows({**ring, **nd}, ORDERS)
+    print("Coverage, folds\n")
+    windows({**ring, **nd}, ("coverage", "skewness", "papillae", "papilla_height"))
+    print("Beginnings\n")
+    beginnings({**ring, **nd})
+    if len(ring) > 1 and options.size == "quarter":
+        print("Does the arrangement matter?\n")
+        arrangements(ring)
+    print("Tips\n")
+    differences({**ring, **nd}, [("stem_on_tips", "stem_tips_expected")])
+    if nd:
+        print("ND cells\n")
+        windows(nd, (f"{name}_nd" for name in ORDERS))
+        differences(nd, [(f"{name}_nd", name) for name in ORDERS])
+        differences(nd, [("nd_on_tips", "nd_tips_expected")])
+
+
+if __name__ == "__main__":
+    main()
