@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
+from lammps_skin.analysis.geometry import Floats
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.ensemble import Table, load, over_time, window_means
 from scipy.stats import f_oneway
@@ -70,6 +71,12 @@ def differences(scenes: dict[str, Table], pairs: Iterable[tuple[str, str]]) -> N
     )  # fmt: skip
 
 
+def courses(data: Table, column: str) -> tuple[Floats, Floats]:
+    """Times (t,) and values (seeds, t) of a column."""
+    seeds, times = np.unique(data["seed"]), np.unique(data["time"])
+    return times, np.array([data[column][data["seed"] == seed] for seed in seeds])
+
+
 def onset(data: Table, column: str) -> float:
     """First time from which on the interval of the mean over seeds stays above 0 for 50."""
     times, means = over_time(data, column)
@@ -78,38 +85,33 @@ def onset(data: Table, column: str) -> float:
     return float(times[int(np.argmax(long))]) if any(long) else np.nan
 
 
-def half_time(data: Table, column: str) -> float:
-    """When the mean over seeds first reaches half of its mean over t = 400 to 600, after 200."""
-    times, means = over_time(data, column)
-    values = np.array([value.value for value in means])
+def half_time(times: Floats, values: Floats) -> float:
+    """When a course first reaches half of its mean over t = 400 to 600, after t = 200."""
     plateau = values[(times >= 400) & (times <= 600)].mean()
     reached = (times >= 200) & (values >= plateau / 2)
     return float(times[int(np.argmax(reached))])
 
 
 def lags(data: Table, draws: int = 2000) -> tuple[float, float, float]:
-    """Half time of zeta less that of chi_H, with a bootstrap interval over seeds."""
-    seeds = np.unique(data["seed"])
-    parts = [data[data["seed"] == seed] for seed in seeds]
+    """Half time of zeta less that of chi_H, of means over seeds, with a bootstrap interval."""
+    times, curvature = courses(data, "chi_H")
+    _, height = courses(data, "zeta")
     rng = np.random.default_rng(1)
-    drawn = []
-    for _ in range(draws if len(seeds) > 1 else 0):
-        chosen = [parts[n].copy() for n in rng.integers(0, len(seeds), len(seeds))]
-        for number, part in enumerate(chosen):
-            part["seed"] = number
-        sample = np.concatenate(chosen)
-        drawn.append(half_time(sample, "zeta") - half_time(sample, "chi_H"))
-    low, high = np.percentile(drawn, [2.5, 97.5]) if drawn else (np.nan, np.nan)
-    return half_time(data, "zeta") - half_time(data, "chi_H"), float(low), float(high)
+    everyone = np.arange(len(height))
+    samples = [everyone, *(rng.choice(everyone, len(everyone)) for _ in range(draws))]
+    lag = [
+        half_time(times, height[n].mean(axis=0)) - half_time(times, curvature[n].mean(axis=0))
+        for n in samples
+    ]
+    low, high = np.percentile(lag[1:], [2.5, 97.5]) if len(everyone) > 1 else (np.nan, np.nan)
+    return lag[0], float(low), float(high)
 
 
 def covered(data: Table, level: float) -> Mean:
-    """First time at which so much of the membrane is covered."""
-    firsts = []
-    for seed in np.unique(data["seed"]):
-        own = data[data["seed"] == seed]
-        firsts.append(own["time"][int(np.argmax(own["coverage"] >= level))])
-    return mean(np.array(firsts, float))
+    """First time at which so much of the membrane is covered, NaN if it never is."""
+    times, coverage = courses(data, "coverage")
+    reached = coverage >= level
+    return mean(np.where(reached.any(axis=1), times[np.argmax(reached, axis=1)], np.nan))
 
 
 def beginnings(scenes: dict[str, Table]) -> None:

@@ -25,9 +25,10 @@ static const char *const KIND_NAMES[] = {"none", "stem", "ta", "exhausted", "nd"
 /* ---------------------------------------------------------------------- */
 
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), seed(0), type_of_kind{}, membrane_type(0), contact(0.0), core(0.0), adhesion_stiffness(0.0),
-    adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0), cycle_rate(0.0),
-    first_phase(0.0), spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
+    Fix(lmp, narg, arg), seed(0), type_of_kind{}, membrane_type(0), contact(0.0), core(0.0),
+    adhesion_stiffness(0.0), adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0),
+    cycle_rate(0.0), first_phase(0.0), spring_stiffness(0.0), spring_start(0.0),
+    spring_rate(0.0), spring_end(0.0),
     half_separation(0.0), generations(0), every(1), next_id(0), births(0), deaths(0), state{},
     log(lmp), log_position(-1), setup_time(0.0), time_offset(0.0), energy{}, energy_all{},
     energy_summed(false), nmax(0), built_call(-1), built_step(-1)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import fcntl
 import importlib.metadata
+import os
 import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -116,7 +118,9 @@ class Engine:
         variables: Mapping[str, object],
         threads: int = 1,
     ) -> None:
-        arguments = ["-log", str(directory / "log.lammps"), "-var", "dir", str(directory)]
+        log = str(directory / "log.lammps")
+        resumed = "restart" in variables
+        arguments = ["-log", "none" if resumed else log, "-var", "dir", str(directory)]
         for name, value in variables.items():
             arguments += ["-var", name, str(value)]
         if threads > 1:
@@ -125,7 +129,10 @@ class Engine:
         self._terms = tuple(terms)
         self._continues = False
         self._lammps = open_lammps(arguments)
+        self._held = hold(directory)
         try:
+            if resumed:
+                self._guard(self._lammps.command, f"log {log} append")
             self._guard(self._lammps.file, str(directory / "skin.in"))
         except BaseException:
             self.close()
@@ -135,6 +142,7 @@ class Engine:
     def close(self) -> None:
         """End LAMMPS."""
         self._lammps.close()
+        os.close(self._held)
 
     def command(self, text: str) -> None:
         """Any LAMMPS command; the next run then sets up anew."""
@@ -155,14 +163,19 @@ class Engine:
         """Length of a step."""
         return float(self._lammps.extract_global("dt"))
 
-    def run_to(self, step: int) -> None:
-        """Advance to a step; where a run stops on its way leaves no trace in its results."""
+    def run_to(self, step: int, restart_file: bool = False) -> None:
+        """Advance to a step; where a run stops on its way leaves no trace in its results.
+
+        Nor does it where a restart file is written at the step: fix skin/cells then counts the
+        time from there, as a run that goes on from the file does.
+        """
         setup = "pre no" if self._continues else "pre yes"
         since = self._counted_since()
         values = [number.value for number in since]
         self._guard(self._lammps.command, f"run {step} upto {setup} post no")
-        for number, value in zip(since, values, strict=True):
-            number.value = value
+        if not (restart_file and FIX_TERMS[0] in self._terms):
+            for number, value in zip(since, values, strict=True):
+                number.value = value
         self._continues = True
 
     def _counted_since(self) -> tuple[Any, ...]:
@@ -237,6 +250,23 @@ class Engine:
             return function(*arguments)
         except Exception as error:
             raise SimulationError(one_line(str(error))) from None
+
+
+def hold(directory: Path, alone: bool = False) -> int:
+    """Hold a directory, with others or alone; a descriptor to close.
+
+    The system lets go of it when the process dies. Raises `BlockingIOError` if it is to be held
+    alone and others hold it.
+    """
+    descriptor = os.open(directory, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB if alone else fcntl.LOCK_SH)
+    except BlockingIOError:
+        os.close(descriptor)
+        raise
+    except OSError:
+        pass  # a file system without locks
+    return descriptor
 
 
 def one_line(text: str) -> str:

@@ -20,6 +20,8 @@ PACKING_STREAM = 103
 # largest force component of a relaxed packing: that of overlaps is gone by then, and what is
 # left is the spheres' attraction, which would contract the packing away from the wall
 FORCE_TOLERANCE = 2e-2
+# volume fraction of the densest packing of hard spheres
+CLOSEST_PACKING = math.pi / math.sqrt(18)
 
 
 def dermal_count(scene: Scene) -> int:
@@ -81,14 +83,23 @@ def _set_up(engine: Any, scene: Scene, dermis: Floats, membrane: Floats) -> None
 
 
 def _push_apart(engine: Any, scene: Scene) -> None:
-    """Soft repulsion of overlapping spheres between two harmonic walls."""
+    """Soft repulsion of overlapping spheres between two harmonic walls.
+
+    Where overlaps must remain, it is a harmonic one: `soft` has no force between spheres at the
+    same place, and would collect them there.
+    """
     dermis = scene.dermis
+    reach = f"{2 * dermis.radius:.17g}"
+    if dermis.volume_fraction > CLOSEST_PACKING:
+        style, apart, none = "harmonic/cut", f"0.1 {reach}", f"0.0 {reach}"
+    else:
+        style, apart, none = f"soft {reach}", "1.0", "0.0"
     top = scene.membrane_height - scene.membrane.radius
     walls = f"zlo 0 1 1 {dermis.radius:.17g} zhi {top:.17g} 1 1 {dermis.radius:.17g}"
     engine.commands_string(f"""
-        pair_style soft {2 * dermis.radius:.17g}
-        pair_coeff 1 1 1.0
-        pair_coeff * 2 0.0
+        pair_style {style}
+        pair_coeff 1 1 {apart}
+        pair_coeff * 2 {none}
         fix walls dermis wall/harmonic {walls}
         min_style cg
         min_modify norm max

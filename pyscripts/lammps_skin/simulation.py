@@ -9,13 +9,15 @@ from types import TracebackType
 from typing import Any, Self
 
 from lammps_skin.build import build, load_built
+from lammps_skin.checkpoints import PART, Checkpoints, find_resumption, wait_for_others
 from lammps_skin.configuration import Configuration
 from lammps_skin.engine import FIX_TERMS, Cells, Engine, Forces, Motion
 from lammps_skin.errors import SceneError, SimulationError
+from lammps_skin.interruption import Interruption
 from lammps_skin.ranks import RankedEngine
 from lammps_skin.scene import Scene
 from lammps_skin.terms import pair_terms
-from lammps_skin.trajectory.recorder import Recorder
+from lammps_skin.trajectory.recorder import Recorder, set_aside_if_damaged
 
 Progress = Callable[[float, Any], None]
 
@@ -36,6 +38,15 @@ class Simulation:
         MPI ranks, and OpenMP threads of each.
     variables : mapping, optional
         Overrides of variables of scene.in, as ``-var`` on the command line.
+
+    Attributes
+    ----------
+    scene : Scene
+    directory : Path
+    notes : list of str
+        What was found to be damaged, after `resume`.
+    sound : bool
+        Whether LAMMPS can go on; not after an error of a run.
 
     Raises
     ------
@@ -70,10 +81,14 @@ class Simulation:
         else:
             self.scene = scene
             build(scene, self.directory, configuration)
+        self.notes: list[str] = []
         self._recorder = Recorder(self.directory, self.scene, variables or {})
+        self._checkpoints = Checkpoints(self.directory, self.scene, variables or {})
+        self.sound = True
+        ours = {"running": 0, "dump_interval": 0, "restart_file": PART}
         arguments = (
             self.directory, self.scene.kinds, present_terms(self.scene),
-            {**(variables or {}), "running": 0, "dump_interval": 0}, threads,
+            {**(variables or {}), **ours}, threads,
         )  # fmt: skip
         try:
             self._engine: Any = (
@@ -81,6 +96,31 @@ class Simulation:
             )
         except SimulationError as error:
             raise SimulationError(f"{error} (starting the scene in {self.directory})") from None
+
+    @classmethod
+    def resume(cls, directory: str | Path, ranks: int = 1, threads: int = 1) -> Self:
+        """Go on with a run from its newest good checkpoint, see docs/reliability.md.
+
+        Events and frames after the checkpoint are cut off. What had been given in `variables` is
+        given again. `notes` tells, in lines, of checkpoints and trajectories that are damaged.
+
+        Raises
+        ------
+        SimulationError
+            If there is no checkpoint, the inputs have changed since the run began, or another
+            process runs in the directory.
+        """
+        directory = Path(directory)
+        check_run(directory, ranks, threads)
+        load_built(directory)
+        wait_for_others(directory)
+        restart, variables, notes = find_resumption(directory)
+        damaged = set_aside_if_damaged(directory) if restart else None
+        if restart:
+            variables = {**variables, "restart": restart}
+        simulation = cls(None, directory, ranks=ranks, threads=threads, variables=variables)
+        simulation.notes += [*notes, *([damaged] if damaged else [])]
+        return simulation
 
     def __enter__(self) -> Self:
         return self
@@ -94,13 +134,17 @@ class Simulation:
         self.close()
 
     def close(self) -> None:
-        """End LAMMPS and remove a temporary directory."""
-        if self._engine is not None:
-            self._engine.close()
-            self._engine = None
-            self._recorder.close()
-        if self._temporary:
-            self._temporary.cleanup()
+        """Write a last checkpoint, end LAMMPS and remove a temporary directory."""
+        engine, self._engine = self._engine, None
+        try:
+            if engine is not None and self.sound and not self._temporary:
+                self._checkpoints.write(engine)
+        finally:
+            if engine is not None:
+                engine.close()
+                self._recorder.close()
+            if self._temporary:
+                self._temporary.cleanup()
 
     @property
     def time(self) -> float:
@@ -113,7 +157,10 @@ class Simulation:
         """Advance to a time, by default the scene's end time.
 
         The trajectory is written to skin.h5 on the way, at every multiple of the scene's
-        `output.dump_interval`.
+        `output.dump_interval`, and a checkpoint at every multiple of its
+        `output.checkpoint_interval`. SIGINT and SIGTERM end the run after a piece, the first as
+        KeyboardInterrupt, the second as SystemExit; a last checkpoint follows when the
+        simulation is closed.
 
         Parameters
         ----------
@@ -131,31 +178,38 @@ class Simulation:
             raise SimulationError(f"until = {end:g}: must be a time from {self.time:g} on")
         last = step + round((end - self.time) / timestep)
         piece = last - step if progress is None else max(round(every / timestep), 1)
+        self._checkpoints.begin(engine)
         self._recorder.record(engine)
-        while step < last:
-            step = min(step + piece, last)
-            self._run_to(step)
-            if progress:
-                progress(self.time, self)
-
-    def _run_to(self, step: int) -> None:
-        """Advance; errors say from where, since unstable runs end in all kinds of them."""
-        engine, since = self._running, self.time
-        timestep = engine.timestep()
+        self._reached = self.time
         try:
-            for stop in self._recorder.stops(engine, step):
-                engine.run_to(stop)
-                since = self.time
-                self._recorder.record(engine)
+            with Interruption() as interruption:
+                while step < last:
+                    step = min(step + piece, last)
+                    self._run_to(step, interruption)
+                    if progress:
+                        progress(self._reached, self)
         except SimulationError as error:
+            self.sound = False
             raise SimulationError(
-                f"{error} (after t = {since:g}, numerics.timestep = {timestep:g}; try "
+                f"{error} (after t = {self._reached:g}, numerics.timestep = {timestep:g}; try "
                 f"{timestep / 2:g}; {self._last_checkpoint()})"
             ) from None
 
+    def _run_to(self, step: int, interruption: Interruption) -> None:
+        """Advance, with frames and checkpoints on the way; a moment to end well is after each."""
+        engine, recorder, checkpoints = self._running, self._recorder, self._checkpoints
+        for stop in sorted({*recorder.stops(engine, step), *checkpoints.stops(engine, step)}):
+            self.sound = False
+            engine.run_to(stop, checkpoints.due(engine, stop))
+            self._reached = self.time
+            recorder.record(engine)
+            checkpoints.finish(engine)
+            self.sound = True
+            interruption.check()
+
     def _last_checkpoint(self) -> str:
-        files = sorted(self.directory.glob("skin.*.restart"), key=lambda f: f.stat().st_mtime)
-        return f"last checkpoint: {files[-1]}" if files else "no checkpoint was written"
+        latest = self._checkpoints.latest()
+        return f"last checkpoint: {latest}" if latest else "no checkpoint was written"
 
     def command(self, text: str) -> None:
         """Give LAMMPS a command."""

@@ -84,7 +84,9 @@ def displacement(particles: Forces, start: Configuration, sides: tuple[float, fl
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_partner_is_the_nearest_in_random_places(ranks: int) -> None:
     """Many cells at random around a deep fold, some of them below the membrane's top."""
-    scene = membrane_scene(**{"cells.adhesion_range": 2.0})
+    scene = membrane_scene(
+        **{"cells.adhesion_range": 2.0, "cells.membrane_exclusion_stiffness": 0.0}
+    )
     random = np.random.default_rng(11)
     flat = grid(scene, 22, jitter=0.4)
     above = random.uniform(0.3, 1.4, len(flat)) * CONTACT
@@ -108,7 +110,10 @@ def test_partner_jumps_between_the_walls_of_a_trench(ranks: int) -> None:
     Cells and membrane move in opposite directions, so that between two neighbor builds
     distances change by as much as they can.
     """
-    scene = membrane_scene(**{"numerics.neighbor_skin": 1.0, "numerics.timestep": TIMESTEP})
+    scene = membrane_scene(
+        **{"numerics.neighbor_skin": 1.0, "numerics.timestep": TIMESTEP,
+           "cells.membrane_exclusion_stiffness": 0.0}
+    )  # fmt: skip
     jumps: list[np.ndarray] = []
     before = np.empty((0, 3))
 

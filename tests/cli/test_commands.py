@@ -158,12 +158,32 @@ def test_run_tells_what_happened_and_where_it_is(skin, tmp_path):
         assert re.search(rf"^  {name} ", answer.out, re.M)
 
 
-def test_run_names_the_newest_restart_file(skin, tmp_path):
+def test_a_run_says_how_to_go_on(skin):
+    """The last checkpoint is that of the end."""
     changes = ("--set", "output.checkpoint_interval=0.2", "--until", "0.5")
     answer = skin("run", "bare-membrane", *SMALLEST, *changes)
-    newest = re.search(r"-var restart (skin\.\d\.restart)", answer.out)[1]
-    files = (tmp_path / "runs" / "bare-membrane").glob("skin.*.restart")
-    assert newest == max(files, key=lambda path: path.stat().st_mtime).name
+    command = re.search(r"skin\.\*\.restart +checkpoints; go on: skin (.*)", answer.out)[1]
+    again = skin(*command.split(), "--until", "0.7")
+    assert again.code == 0, again.err
+    assert "bare-membrane: goes on at t = 0.5\n" in again.out
+    assert "bare-membrane: reached t = 0.7," in again.out
+
+
+def test_what_cannot_be_resumed(skin, tmp_path):
+    short = ("--set", "output.checkpoint_interval=0.2", "--until", "0.3")
+    skin("run", "bare-membrane", *SMALLEST, *short, "-o", "x")
+    for arguments, said in (
+        (("x",), "directory x: has reached t = 0.3; --until takes it further"),
+        (("x", "--until", "0.1"), "directory x: has reached t = 0.3; --until takes it further"),
+        (("x", "--force"), "--resume: goes on with the run in a directory, as it is"),
+        (("bare-membrane",), "--resume: goes on with the run in a directory, as it is"),
+        (("x", "--set", "cells.seed=3"), "--set: a built directory is run as it is"),
+    ):
+        answer = skin("run", *arguments, "--resume")
+        assert answer.code == 2
+        assert said in answer.err and len(answer.err.splitlines()) == 1
+    answer = skin("run", "x")
+    assert "directory x: holds results of a run; --resume goes on with it" in answer.err
 
 
 def test_a_built_directory_runs_as_it_is(skin, tmp_path):
@@ -180,11 +200,11 @@ def test_force_replaces_results(skin, tmp_path):
     checkpoints = ("--set", "output.checkpoint_interval=0.1")
     assert skin("run", "two-cells", *checkpoints, "--until", "0.3", "-o", "x").code == 0
     before = {path.name for path in Path("x").iterdir()}
-    assert {"skin.1.restart", "events.csv"} <= before
+    assert {"skin.step10.restart", "checkpoints.json", "events.csv"} <= before
     answer = skin("run", "bare-membrane", *SMALLEST, "--until", "0.1", "-o", "x", "--force")
     assert answer.code == 0
     after = {path.name for path in Path("x").iterdir()}
-    assert not {"skin.1.restart", "skin.2.restart"} & after
+    assert {name for name in after if "restart" in name} == {"skin.step10.restart"}
     assert len(Path("x/events.csv").read_text().splitlines()) == 1
 
 

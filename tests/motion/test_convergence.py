@@ -48,8 +48,7 @@ def test_membrane(integrator: str, order: int) -> None:
     exact = smooth_sheet(sheet("rkl2", END / 2048), start)
     timesteps = [END / n for n in (64, 128, 256)]
     errors = [
-        float(np.abs(smooth_sheet(sheet(integrator, dt), start) - exact).max())
-        for dt in timesteps
+        float(np.abs(smooth_sheet(sheet(integrator, dt), start) - exact).max()) for dt in timesteps
     ]
     assert np.abs(start.positions - exact).max() > 100 * errors[0] > 0
     np.testing.assert_allclose(observed(errors), order, atol=TOLERANCE)
@@ -84,7 +83,5 @@ def test_growing_spring(integrator: str, order: int, tmp_path: Path) -> None:
     k, start, growth = 0.5, 2 * HALF_SEPARATION, 0.14
     lag = growth / (2 * k)
     exact = start + growth * END - lag * (1 - np.exp(-2 * k * END))
-    errors = [
-        abs(pair_length(integrator, END / n, tmp_path / str(n)) - exact) for n in (8, 16, 32)
-    ]
+    errors = [abs(pair_length(integrator, END / n, tmp_path / str(n)) - exact) for n in (8, 16, 32)]
     np.testing.assert_allclose(observed(errors), order, atol=TOLERANCE)

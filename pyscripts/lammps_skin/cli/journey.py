@@ -60,7 +60,11 @@ class Journey:
                 news = f"{self.living()} +{self.births} -{self.removals} {speed:.3g} t/s"
                 bar.update(task, completed=round(time, 6), news=news)
 
-            self._simulation.run(self._end, progress=show, every=every)
+            try:
+                self._simulation.run(self._end, progress=show, every=every)
+            finally:
+                if self._simulation.sound:
+                    self._look(self._simulation.time)
         self._coverage = self._covered()
 
     def _look(self, time: float) -> None:

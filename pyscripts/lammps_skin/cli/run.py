@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from lammps_skin.build import load_built
+from lammps_skin.checkpoints import MANIFEST, RESTARTS
 from lammps_skin.cli.journey import Journey
 from lammps_skin.cli.options import Parameters, Settings, console, scene_from
 from lammps_skin.configuration import Configuration
@@ -24,7 +25,6 @@ FILES = {
     "log.lammps": "energies by term and numbers of cells against time",
 }
 RESULTS = ("events.csv", "skin.h5", "skin.dump")
-RESTARTS = "skin.*.restart"
 INTERRUPTED = 130
 
 
@@ -43,22 +43,61 @@ def run(
         float | None, typer.Option(help="Time at which to end, instead of the scene's.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace the results of a run.")] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the run in DIR from its last checkpoint.")
+    ] = False,
     parameters: Parameters = None,
     settings: Settings = None,
 ) -> None:
     """Run a scene, or a directory that `skin build` has made."""
+    began = time.perf_counter()
     scene, directory = _what_and_where(source, output, parameters, settings)
     check_run(directory, ranks, threads)
+    if resume:
+        if scene or force:
+            raise SceneError("--resume: goes on with the run in a directory, as it is; give that")
+        simulation = _resumed(directory, ranks, threads, until)
+    else:
+        simulation = _begun(scene, directory, ranks, threads, until, force)
+    _watch(simulation, directory, until, began)
+
+
+def _begun(
+    scene: Scene | None, directory: Path, ranks: int, threads: int, until: float | None, force: bool
+) -> Simulation:
+    """The simulation of a scene, from its initial state."""
     if any((directory / name).exists() for name in RESULTS) and not force:
-        raise SceneError(f"directory {directory}: holds results of a run; --force replaces them")
+        raise SceneError(
+            f"directory {directory}: holds results of a run; --resume goes on with it, --force "
+            "replaces them"
+        )
     if until is not None:
         scene = _shortened(scene, directory, until)
-
-    began = time.perf_counter()
     with console.status("building"):
         configuration = Configuration.from_scene(scene) if scene else None
         _remove_results(directory)
-        simulation = Simulation(scene, directory, configuration, ranks, threads)
+        return Simulation(scene, directory, configuration, ranks, threads)
+
+
+def _resumed(directory: Path, ranks: int, threads: int, until: float | None) -> Simulation:
+    """The simulation of a run that has ended before its time."""
+    with console.status("resuming"):
+        simulation = Simulation.resume(directory, ranks, threads)
+    for note in simulation.notes:
+        console.print(note)
+    end = simulation.scene.end_time if until is None else until
+    if simulation.time < end < math.inf:
+        console.print(f"{simulation.scene.name}: goes on at t = {simulation.time:.6g}")
+        return simulation
+    reached = simulation.time
+    simulation.close()
+    raise SimulationError(
+        f"directory {directory}: has reached t = {reached:.6g}; --until takes it further"
+    )
+
+
+def _watch(simulation: Simulation, directory: Path, until: float | None, began: float) -> None:
+    """Run with a progress bar, and tell in the end what has happened."""
     journey, end = Journey(simulation, until), "stopped after"
     try:
         with simulation:
@@ -67,6 +106,9 @@ def run(
     except KeyboardInterrupt:
         end = "interrupted at"
         raise typer.Exit(INTERRUPTED) from None
+    except SystemExit:
+        end = "terminated at"
+        raise
     finally:
         seconds = time.perf_counter() - began
         console.print(f"{simulation.scene.name}: {end} t = {journey.time:.6g}, {seconds:.1f} s")
@@ -102,7 +144,7 @@ def _what_and_where(
 
 
 def _remove_results(directory: Path) -> None:
-    for pattern in (*FILES, *RESULTS, RESTARTS, "skin.h5.*"):
+    for pattern in (*FILES, *RESULTS, MANIFEST, RESTARTS, "skin.h5.*"):
         for path in directory.glob(pattern):
             path.unlink()
 
@@ -113,7 +155,5 @@ def _name_files(directory: Path) -> None:
     for name, content in FILES.items():
         if (directory / name).exists():
             console.print(f"  {name:<16} {content}")
-    restarts = sorted(directory.glob(RESTARTS), key=lambda path: path.stat().st_mtime)
-    if restarts:
-        newest = restarts[-1].name
-        console.print(f"  {newest:<16} go on from it: lmp -in skin.in -var restart {newest}")
+    if any(directory.glob(RESTARTS)):
+        console.print(f"  {RESTARTS:<16} checkpoints; go on: skin run {directory} --resume")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from rich.measure import Measurement
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
@@ -24,10 +26,10 @@ from lammps_skin.tradeoff.grid import Grid, Variant, variants
 if TYPE_CHECKING:
     from lammps_skin.tradeoff.bias import Bias, Window
     from lammps_skin.tradeoff.measure import Laboratory
-    from lammps_skin.tradeoff.report import Report, Text
+    from lammps_skin.tradeoff.report import Report
 
 
-WIDTH = 130  # of tables, also where the terminal is narrower
+WIDTH = 200  # of tables at most, also where the terminal is narrower
 
 
 def tradeoff(
@@ -43,9 +45,7 @@ def tradeoff(
     ] = None,
     start: Annotated[
         Path | None,
-        typer.Option(
-            "--from", metavar="RUN", help="Run directory or restart file to begin from."
-        ),
+        typer.Option("--from", metavar="RUN", help="Run directory or restart file to begin from."),
     ] = None,
     interval: Annotated[
         float, typer.Option(help="Length in time units of the runs that are compared.")
@@ -143,7 +143,7 @@ def _measure(laboratory: Laboratory, found: list[Variant]) -> None:
         numerics = one.scene.numerics
         return laboratory.interval * numerics.evaluations / numerics.timestep
 
-    total = sum(map(work, trajectories)) + ROUNDS * sum(map(work, sum(sittings, [])))
+    total = sum(map(work, trajectories)) + ROUNDS * sum(map(work, chain(*sittings)))
     bar = Progress(
         TextColumn("{task.fields[news]}", markup=False),
         BarColumn(bar_width=20),
@@ -211,11 +211,12 @@ def _report(
     whence = "its start" if start is None else str(start)
     timestep = laboratory.finest().scene.numerics.timestep
     notes = [
-        f"Runs of {laboratory.interval:g} time units from {whence}. rms and largest: distances of "
-        f"particles, without births and removals, from forward Euler with a timestep of "
-        f"{timestep:g}. CPU: over the reference, in turns in one process, with births and removals."
+        f"Runs of {laboratory.interval:g} time units from {whence}. rms, median, largest: "
+        "distances of particles, without births and removals, from forward Euler with a timestep "
+        f"of {timestep:g}. CPU: over the reference, by turns in one process, with births and "
+        "removals."
     ]
-    return Report(f"{laboratory.scene.name}", notes, rows, orders(found, distances), biases)
+    return Report(laboratory.scene.name, notes, rows, orders(found, distances), biases)
 
 
 def _show(report: Report, output: Path, name: str) -> None:
@@ -242,4 +243,5 @@ def _print(names: list[str], cells: list[list[str]]) -> None:
     table = Table(*names, box=None)
     for line in cells:
         table.add_row(*line)
-    console.print(table, width=max(console.width, WIDTH))
+    table.width = Measurement.get(console, console.options.update(width=WIDTH), table).maximum
+    console.print(table)

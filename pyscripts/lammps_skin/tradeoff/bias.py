@@ -1,9 +1,9 @@
-"""What a choice of numerics changes in the statistics of ensembles, seed by seed."""
+"""What a choice of numerics changes in the statistics of ensembles."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ from lammps_skin.tradeoff.grid import Variant
 
 MEANS = (
     "chi_H", "chi_G", "zeta", "sigma", "coverage", "ta", "exhausted", "papillae",
-    "papilla_height", "skewness",
+    "papilla_height", "skewness", "chi_H_nd", "chi_G_nd", "zeta_nd", "sigma_nd",
 )  # fmt: skip
 COUNTS = ("births", "deaths")  # since the start: what counts is how many more in a window
 EFFECT = 0.5  # difference to be seen, in standard deviations over seeds
@@ -29,7 +29,7 @@ Window = tuple[float, float]
 
 
 class Bias(NamedTuple):
-    """A statistic of a variant, and its difference from the reference with the same seeds.
+    """A statistic of a variant, and its difference from the reference.
 
     Attributes
     ----------
@@ -38,15 +38,16 @@ class Bias(NamedTuple):
     window : (2,) tuple
         Times over which it is the mean, or during which it is counted.
     reference, deviation : float
-        Mean and standard deviation over seeds, of the reference.
+        Mean over the seeds of the reference; standard deviation over seeds, of both together.
     difference, error : float
-        Mean over seeds of the differences, and its standard error.
+        Of the means over all seeds of the variant and of the reference, and its standard error.
+    seeds, reference_seeds : int
+        That there are.
     percent, percent_error : float
-        Of the differences relative to the reference, likewise.
-    seeds : int
-        That both have.
+        Mean over the seeds that both have of their differences relative to the reference, and
+        its standard error.
     needed : float
-        Seeds with which a difference of `EFFECT` standard deviations would be seen.
+        Seeds of both with which a difference of `EFFECT` standard deviations would be seen.
     """
 
     name: str
@@ -55,17 +56,17 @@ class Bias(NamedTuple):
     deviation: float
     difference: float
     error: float
+    seeds: int
+    reference_seeds: int
     percent: float
     percent_error: float
-    seeds: int
     needed: float
 
     @property
     def in_errors(self) -> float:
-        """The difference in units of its standard error; 0 where all seeds are the same."""
-        return 0.0 if self.difference == self.error == 0 else float(
-            np.divide(self.difference, self.error)
-        )  # fmt: skip
+        """The difference in units of its standard error; NaN of what never varies."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return float(np.divide(self.difference, self.error))
 
 
 def member(one: Variant, seed: int, folder: Path) -> Member:
@@ -112,17 +113,15 @@ def windows_of(text: str | None, end: float) -> list[Window]:
 def biases(
     variant: Mapping[int, Table], reference: Mapping[int, Table], windows: Sequence[Window]
 ) -> list[Bias]:
-    """Every statistic in every window, over the seeds that both have."""
-    seeds = sorted(variant.keys() & reference.keys())
-    found = []
-    for window in windows:
-        for name in (*MEANS, *COUNTS):
-            pairs = [
-                (_statistic(variant[seed], name, window), _statistic(reference[seed], name, window))
-                for seed in seeds
-            ]
-            found.append(_bias(name, window, np.array(pairs, float).reshape(-1, 2)))
-    return found
+    """Every statistic in every window, from tables by seed; without those that neither has."""
+    found = [
+        _bias(name, window, *(
+            {seed: _statistic(table, name, window) for seed, table in tables.items()}
+            for tables in (variant, reference)
+        ))
+        for window in windows for name in (*MEANS, *COUNTS)
+    ]  # fmt: skip
+    return [bias for bias in found if bias.seeds or bias.reference_seeds]
 
 
 def _statistic(table: Table, name: str, window: Window) -> float:
@@ -134,20 +133,33 @@ def _statistic(table: Table, name: str, window: Window) -> float:
     return float(inside[-1] - inside[0] if name in COUNTS else inside.mean())
 
 
-def _bias(name: str, window: Window, pairs: Floats) -> Bias:
-    pairs = pairs[~np.isnan(pairs).any(axis=1)]
-    ours, theirs = pairs.T
-    differences = ours - theirs
-    difference = mean(differences)
+def _bias(
+    name: str, window: Window, ours: Mapping[int, float], theirs: Mapping[int, float]
+) -> Bias:
+    """From the values of a statistic by seed."""
+    values, others = _defined(ours.values()), _defined(theirs.values())
+    freedom = len(values) + len(others) - 2
+    deviation = error = np.nan
+    if freedom > 0 and len(values) and len(others):
+        squares = sum(((x - x.mean()) ** 2).sum() for x in (values, others))
+        deviation = float(np.sqrt(squares / freedom))
+        error = deviation * math.sqrt(1 / len(values) + 1 / len(others))
+    pairs = _defined([(ours[seed], theirs[seed]) for seed in sorted(ours.keys() & theirs.keys())])
+    pairs = pairs.reshape(-1, 2)
+    differences = pairs[:, 0] - pairs[:, 1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        percent = mean(np.where(theirs != 0, 100 * differences / np.abs(theirs), np.nan))
-    many = len(pairs) > 1
-    deviation = float(theirs.std(ddof=1)) if many else np.nan
-    noise = float(differences.std(ddof=1)) if many else np.nan
+        percent = mean(np.where(pairs[:, 1] != 0, 100 * differences / abs(pairs[:, 1]), np.nan))
+    noise = float(differences.std(ddof=1)) if len(pairs) > 1 else np.nan
     return Bias(
-        name, window, mean(theirs).value, deviation, difference.value, difference.error,
-        percent.value, percent.error, len(pairs), seeds_needed(noise, deviation),
+        name, window, mean(others).value, deviation, mean(values).value - mean(others).value, error,
+        len(values), len(others), percent.value, percent.error, seeds_needed(noise, deviation),
     )  # fmt: skip
+
+
+def _defined(values: Iterable[float | tuple[float, ...]]) -> Floats:
+    """Rows without NaN."""
+    array = np.array(list(values), float)
+    return array[~np.isnan(array.reshape(len(array), -1)).any(axis=1)]
 
 
 def seeds_needed(noise: float, deviation: float) -> float:
@@ -156,14 +168,15 @@ def seeds_needed(noise: float, deviation: float) -> float:
     Parameters
     ----------
     noise : float
-        Standard deviation over seeds of the difference of two choices.
+        Standard deviation, over seeds, of the difference of two choices with the same seed.
     deviation : float
         Standard deviation over seeds of the statistic itself.
 
     Returns
     -------
     float
-        With `CONFIDENCE` and `POWER`, for normal differences; NaN of what does not vary.
+        With `CONFIDENCE` and `POWER`, for normal differences of runs with the same seeds; NaN
+        of what does not vary.
     """
     if not deviation > 0 or np.isnan(noise):
         return np.nan

@@ -13,23 +13,29 @@ from lammps_skin.tradeoff.store import Reached
 
 
 class Distance(NamedTuple):
-    """Distances of the same particles in two trajectories: root of the mean square, largest."""
+    """Distances of the same particles in two trajectories.
+
+    Root of the mean square, median and largest. In a crowded scene, a few particles where the
+    membrane has collapsed make up most of the first; the second is that of a usual particle.
+    """
 
     rms: float
+    median: float
     largest: float
 
 
 class Order(NamedTuple):
     """Order of convergence of variants that differ in their timestep.
 
-    `errors` (n,) are rms distances at the `timesteps` (n,), ascending; `order` is the slope of
-    the line of least squares through their logarithms.
+    `distances` (n,) are those at the `timesteps` (n,), ascending; `of_rms` and `of_median` are
+    slopes of the lines of least squares through their logarithms.
     """
 
     names: tuple[str, ...]
     timesteps: tuple[float, ...]
-    errors: tuple[float, ...]
-    order: float
+    distances: tuple[Distance, ...]
+    of_rms: float
+    of_median: float
 
 
 def distance(one: Reached, truth: Reached, box: Sequence[float] | Floats) -> Distance:
@@ -42,28 +48,28 @@ def distance(one: Reached, truth: Reached, box: Sequence[float] | Floats) -> Dis
         Sides of the box.
     """
     if one.problem or truth.problem:
-        return Distance(np.nan, np.nan)
+        return Distance(np.nan, np.nan, np.nan)
     apart = np.asarray(one.positions - truth.positions)
     sides = np.asarray(box, float)[:2]
     apart[:, :2] -= sides * np.round(apart[:, :2] / sides)
     squares = (apart**2).sum(axis=1)
-    return Distance(float(np.sqrt(squares.mean())), float(np.sqrt(squares.max())))
+    numbers = np.sqrt([squares.mean(), np.median(squares), squares.max()])
+    return Distance(*map(float, numbers))
 
 
 def orders(found: Sequence[Variant], distances: Mapping[str, Distance]) -> list[Order]:
     """The order of every family of variants with at least two timesteps."""
     families: dict[tuple[object, ...], dict[float, Variant]] = {}
     for one in found:
-        error = distances[one.name].rms
-        if error > 0:
+        if min(distances[one.name]) > 0:
             families.setdefault(one.family, {}).setdefault(one.scene.numerics.timestep, one)
     measured = []
     for family in families.values():
         if len(family) < 2:
             continue
         timesteps = sorted(family)
-        errors = [distances[family[timestep].name].rms for timestep in timesteps]
-        slope = np.polyfit(np.log(timesteps), np.log(errors), 1)[0]
         names = tuple(family[timestep].name for timestep in timesteps)
-        measured.append(Order(names, tuple(timesteps), tuple(errors), float(slope)))
+        apart = tuple(distances[name] for name in names)
+        slopes = np.polyfit(np.log(timesteps), np.log(apart), 1)[0]
+        measured.append(Order(names, tuple(timesteps), apart, float(slopes[0]), float(slopes[1])))
     return measured

@@ -57,8 +57,8 @@ class Laboratory:
     ) -> None:
         self.scene = scene
         self.interval = interval
-        self.store = Store(folder)
         self._given = None if start is None else restart_of(start, scene)
+        self.store = Store(folder)
 
     @cached_property
     def state(self) -> Path:
@@ -181,10 +181,11 @@ class Laboratory:
                         progress(one.name, (n + 1) * self.interval)
         ratios = seconds / seconds[:, :1]
         for one, own, ratio, problem in zip(sitting, seconds.T, ratios.T, problems, strict=True):
-            values = (np.median(own), np.median(ratio), np.ptp(ratio) / 2)
+            spread = float(np.ptp(ratio)) / 2
+            timing = Timing(float(np.median(own)), float(np.median(ratio)), spread, problem)
             if problem:
-                values = (np.nan,) * 3
-            self.store.save_timing(self.timing_path(one), Timing(*map(float, values), problem))
+                timing = Timing(np.nan, np.nan, np.nan, problem)
+            self.store.save_timing(self.timing_path(one), timing)
 
 
 def _quiet(scene: Scene) -> Scene:

@@ -3,27 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import cycle
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
+from lammps_skin.accuracy import LEVELS
 from lammps_skin.analysis.geometry import Floats
 from lammps_skin.tradeoff.report import Report, Row
 
-NEAR = 0.06  # logarithms of ten: labels of points that are closer than this share a line
+STYLES = tuple(f"C{n % 10}{'osD^v'[n // 10]}" for n in range(50))  # of the points of variants
 
 
 def draw(report: Report) -> Figure:
-    """Panel of distances from the truth, and, with ensembles, one of biases."""
-    with_bias = any(row.bias > 0 for row in report.rows)
-    figure = Figure(figsize=(15 if with_bias else 8, 6), layout="constrained")
-    panels: list[Axes] = list(np.atleast_1d(figure.subplots(1, 1 + with_bias)))
-    _panel(panels[0], report.rows, "rms", "rms distance from the truth")
-    if with_bias:
-        _panel(panels[1], report.rows, "bias", "rms difference of statistics in standard errors")
-        panels[1].axhline(1.0, color="0.6", ls=":", label="chance alone")
-        panels[1].legend(frameon=False)
+    """Panels of distances from the truth, and, with ensembles, one of biases."""
+    columns = {
+        "rms": "rms distance of particles from the truth",
+        "median": "median distance of particles from the truth",
+        "bias": "rms difference of statistics, in standard errors",
+    }
+    if not any(row.bias > 0 for row in report.rows):
+        del columns["bias"]
+    figure = Figure(figsize=(6 * len(columns) + 2, 6), layout="constrained")
+    panels: list[Axes] = list(figure.subplots(1, len(columns), sharex=True))
+    for axes, (column, label) in zip(panels, columns.items(), strict=True):
+        _panel(axes, report.rows, column, label)
+    if "bias" in columns:
+        panels[-1].axhline(1.0, color="0.6", ls=":", zorder=0)  # what chance gives
+        highest = max(row.bias for row in report.rows if row.bias > 0)
+        panels[-1].set(yscale="linear", ylim=(0.0, 1.1 * max(highest, 1.0)))
+    named = {
+        name: handle
+        for axes in panels
+        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(named.values(), named.keys(), frameon=False, loc="outside right upper")
     figure.suptitle(report.title)
     return figure
 
@@ -39,22 +55,19 @@ def front(points: Floats) -> list[int]:
 
 
 def _panel(axes: Axes, rows: Sequence[Row], column: str, label: str) -> None:
-    shown = [row for row in rows if row.cpu > 0 and getattr(row, column) > 0]
-    axes.set(
-        xscale="log", yscale="log", xlabel="CPU time over that of the reference", ylabel=label
-    )
-    if not shown:
-        return
-    points = np.array([(row.cpu, getattr(row, column)) for row in shown])
-    best = front(points)
-    axes.step(*points[best].T, where="post", color="0.75", zorder=0)
-    groups: dict[tuple[int, int], list[int]] = {}
-    for n, place in enumerate(np.round(np.log10(points) / NEAR).astype(int)):
-        groups.setdefault((int(place[0]), int(place[1])), []).append(n)
-    for group in groups.values():
-        axes.plot(*points[group].T, "o", color="C0" if set(group) & set(best) else "C7")
-        axes.annotate(
-            "\n".join(shown[n].variant for n in group), points[group[0]], xytext=(5, 3),
-            textcoords="offset points", fontsize=8,
-        )  # fmt: skip
-    axes.margins(0.12)
+    axes.set(xscale="log", yscale="log", xlabel="CPU time over that of the reference", ylabel=label)
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_locator(LogLocator(subs=(2, 3, 5)))
+    axes.xaxis.set_minor_formatter("{x:.2g}")
+    shown = []
+    for row, style in zip(rows, cycle(STYLES), strict=False):
+        if row.cpu > 0 and getattr(row, column) > 0:
+            shown.append((row.cpu, getattr(row, column)))
+            level = row.variant in LEVELS
+            axes.plot(
+                *shown[-1], style, ms=12 if level else 7, zorder=3 if level else 2,
+                markeredgecolor="k" if level else "w", label=row.variant,
+            )  # fmt: skip
+    if shown:
+        points = np.array(shown)
+        axes.step(*points[front(points)].T, where="post", color="0.75", zorder=0)

@@ -35,8 +35,8 @@ class Row:
         Fraction of steps that were divided.
     lowered, lowest_mobility : float
         Fraction of particles whose mobility was lowered, and the lowest of all.
-    rms, largest : float
-        Distance of particles from the truth, over all, and of the furthest.
+    rms, median, largest : float
+        Distance of particles from the truth.
     bias : float
         Root of the mean square, over statistics and windows, of the differences from the
         reference in units of their standard error; NaN without ensembles.
@@ -54,6 +54,7 @@ class Row:
     lowered: float
     lowest_mobility: float
     rms: float
+    median: float
     largest: float
     bias: float
     problem: str
@@ -72,7 +73,7 @@ def row(
     return Row(
         one.name, one.words, timing.ratio, timing.spread, timing.seconds,
         motion.evaluations / interval, motion.divided / motion.steps, motion.lowered,
-        motion.lowest_mobility, distance.rms, distance.largest, root_mean_square(found),
+        motion.lowest_mobility, *distance, root_mean_square(found),
         reached.problem or timing.problem,
     )  # fmt: skip
 
@@ -103,10 +104,16 @@ class Report:
         contents = {
             f"{name}.csv": _csv([asdict(row) for row in self.rows]),
             f"{name}-orders.csv": _csv(
-                {"variant": variant, "timestep": timestep, "rms": error, "order": order.order}
+                {
+                    "variant": variant,
+                    "timestep": timestep,
+                    **apart._asdict(),
+                    "order_rms": order.of_rms,
+                    "order_median": order.of_median,
+                }
                 for order in self.orders
-                for variant, timestep, error in zip(
-                    order.names, order.timesteps, order.errors, strict=True
+                for variant, timestep, apart in zip(
+                    order.names, order.timesteps, order.distances, strict=True
                 )
             ),
             f"{name}-ensemble.csv": _csv(
@@ -150,13 +157,15 @@ Text = tuple[list[str], list[list[str]]]
 def rows_table(rows: Iterable[Row]) -> Text:
     """Cost and distance of every variant."""
     names = [
-        "variant", "CPU", "faster", "evaluations", "divided", "lowered", "rms", "largest", "bias",
+        "variant", "CPU", "faster", "evaluations", "divided", "lowered", "rms", "median",
+        "largest", "bias",
     ]  # fmt: skip
     cells = [
         [
             row.variant, f"{number(row.cpu)} ± {number(row.cpu_spread, 1)}", number(1 / row.cpu),
             number(row.evaluations), number(row.divided, 2), number(row.lowered, 2),
-            number(row.rms, 2), number(row.largest, 2), number(row.bias, 2),
+            number(row.rms, 2), number(row.median, 2), number(row.largest, 2),
+            number(row.bias, 2),
         ]
         for row in rows
     ]  # fmt: skip
@@ -165,11 +174,13 @@ def rows_table(rows: Iterable[Row]) -> Text:
 
 def orders_table(orders: Iterable[Order]) -> Text:
     """Errors at the timesteps of every family, and its order."""
-    names = ["variants", "timesteps", "rms", "order"]
+    names = ["variants", "rms", "its order", "median", "its order"]
     cells = [
         [
-            ", ".join(order.names), ", ".join(f"{timestep:g}" for timestep in order.timesteps),
-            ", ".join(number(error, 2) for error in order.errors), f"{order.order:.2f}",
+            ", ".join(order.names),
+            ", ".join(number(apart.rms, 2) for apart in order.distances), f"{order.of_rms:.2f}",
+            ", ".join(number(apart.median, 2) for apart in order.distances),
+            f"{order.of_median:.2f}",
         ]
         for order in orders
     ]  # fmt: skip
@@ -186,8 +197,8 @@ def bias_table(found: Iterable[Bias]) -> Text:
             bias.name, "{:g} to {:g}".format(*bias.window),
             f"{number(bias.reference)} (sd {number(bias.deviation, 2)})",
             f"{number(bias.difference, 2)} ± {number(bias.error, 1)}", number(bias.in_errors, 2),
-            f"{number(bias.percent, 2)} ± {number(bias.percent_error, 1)}", str(bias.seeds),
-            number(bias.needed, 6),
+            f"{number(bias.percent, 2)} ± {number(bias.percent_error, 1)}", 
+            f"{bias.seeds}, {bias.reference_seeds}", number(bias.needed, 6),
         ]
         for bias in found
     ]  # fmt: skip
@@ -196,7 +207,10 @@ def bias_table(found: Iterable[Bias]) -> Text:
 
 def number(value: float, digits: int = 3) -> str:
     """A number with some digits; a dash where there is none."""
-    return "-" if math.isnan(value) else f"{value:.{digits}g}"
+    if math.isnan(value):
+        return "-"
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text else text
 
 
 def markdown_table(names: Sequence[str], cells: Iterable[Sequence[str]]) -> str:

@@ -15,7 +15,7 @@ from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.frame import Frame
-from lammps_skin.trajectory.store import DUMP, STORE, trajectory_of
+from lammps_skin.trajectory.store import DUMP, STORE, Store, trajectory_of
 from lammps_skin.trajectory.writer import TrajectoryWriter, reason
 
 
@@ -43,20 +43,9 @@ class Recorder:
         self._next = directory / f"{STORE}.next"
         self._scene = scene
         self._variables = dict(variables)
-        self._interval = self._dump_interval()
+        self._interval = interval("dump_interval", scene, variables)
         self._missing: list[Frame] | None = None  # in skin.h5.next; None: it has to be made
         self._last_step: int | None = None  # None: skin.h5 has to be made
-
-    def _dump_interval(self) -> float:
-        """Of the variables, which nobody has checked, or of the scene."""
-        given = self._variables.get("dump_interval", self._scene.output.dump_interval)
-        try:
-            interval = float(str(given))
-        except ValueError:
-            interval = math.nan
-        if not 0 <= interval < math.inf:
-            raise SkinError(f"variable dump_interval = {given}: must be a number >= 0")
-        return interval
 
     def stops(self, engine: Any, step: int) -> Iterator[int]:
         """Steps of frames on the way to a step, and that step itself."""
@@ -88,8 +77,8 @@ class Recorder:
         self._next.unlink(missing_ok=True)
 
     def _every(self, engine: Any) -> int:
-        """Steps between frames, as in output.in; 0 for none."""
-        return math.ceil(self._interval / engine.timestep() - 1e-6)
+        """Steps between frames; 0 for none."""
+        return steps_between(self._interval, engine)
 
     def _begin(self, step: int) -> int:
         """Make a skin.h5 that goes on at a step; the step of its last frame, -1 without any."""
@@ -141,3 +130,43 @@ class Recorder:
         self._next.unlink(missing_ok=True)
         shutil.copyfile(self.path, self._next)
         return TrajectoryWriter.append(self._next)
+
+
+def interval(name: str, scene: Scene, variables: Mapping[str, object]) -> float:
+    """An interval of the variables, which nobody has checked, or of the scene's output."""
+    given = variables.get(name, getattr(scene.output, name))
+    try:
+        value = float(str(given))
+    except ValueError:
+        value = math.nan
+    if not 0 <= value < math.inf:
+        raise SkinError(f"variable {name} = {given}: must be a number >= 0")
+    return value
+
+
+def steps_between(interval: float, engine: Any) -> int:
+    """Steps that an interval has, as in output.in; 0 for none."""
+    return math.ceil(interval / engine.timestep() - 1e-6)
+
+
+def set_aside_if_damaged(directory: Path) -> str | None:
+    """Read all frames of skin.h5; if that fails, give it another name, and say so in a line.
+
+    After a kill there is skin.h5.next, which takes its place.
+    """
+    path, spare = directory / STORE, directory / f"{STORE}.next"
+    if not path.exists() or _is_whole(path):
+        return None
+    aside = path.with_name(f"{STORE}.damaged")
+    path.replace(aside)
+    if spare.exists() and _is_whole(spare):
+        spare.replace(path)
+        return f"trajectory {path}: was damaged; {spare.name}, which can lack a frame, replaces it"
+    return f"trajectory {path}: is damaged, now {aside.name}; a new one begins at the checkpoint"
+
+
+def _is_whole(path: Path) -> bool:
+    try:
+        return all(len(frame.ids) for frame in Store(path))
+    except (SkinError, OSError, RuntimeError, KeyError, ValueError):
+        return False

@@ -1,0 +1,223 @@
+"""Files that are damaged are recognised, and an older checkpoint takes their place."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from lammps_skin.checkpoints import find_resumption
+from lammps_skin.errors import SkinError
+from lammps_skin.simulation import Simulation
+from lammps_skin.trajectory.store import Store
+
+from tests.checkpoints.conftest import PATIENCE, Outcome, assert_same, finish
+from tests.trajectory.conftest import same
+
+KEPT = (150, 200, 250)  # steps of the checkpoints that the run of `halfway` has
+
+
+@pytest.fixture
+def run(halfway: Path, tmp_path: Path) -> Path:
+    """Copy of a run with three checkpoints."""
+    directory = tmp_path / "run"
+    shutil.copytree(halfway, directory)
+    names = sorted(path.name for path in directory.glob("skin.*.restart"))
+    assert names == [f"skin.step{step}.restart" for step in KEPT]
+    return directory
+
+
+def newest(directory: Path) -> Path:
+    return directory / "skin.step250.restart"
+
+
+def cut(path: Path, share: float = 0.7) -> None:
+    os.truncate(path, int(path.stat().st_size * share))
+
+
+def flip(path: Path, share: float = 0.5, bit: int = 4) -> None:
+    """Change one bit."""
+    content = bytearray(path.read_bytes())
+    content[int(len(content) * share)] ^= 1 << bit
+    path.write_bytes(content)
+
+
+def replace_by_directory(path: Path) -> None:
+    path.unlink()
+    path.mkdir()
+
+
+def as_of_another_version(path: Path) -> None:
+    """The version that LAMMPS states in it; without a list there are no hashes."""
+    path.write_bytes(path.read_bytes().replace(b"22 Jul 2025", b"22 Jul 2019"))
+    (path.parent / "checkpoints.json").unlink()
+
+
+# ---- restart files
+
+
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (cut, "is damaged"),
+        (flip, "is damaged"),
+        (lambda path: flip(path, 0.0), "is damaged"),
+        (lambda path: flip(path, 0.9999), "is damaged"),
+        (lambda path: cut(path, 0), "is damaged"),
+        (replace_by_directory, "Is a directory"),
+        (as_of_another_version, r"was written by LAMMPS 22 Jul 2019, and this is \d"),
+        (lambda path: cut(path.with_name("events.csv"), 0.95), "events.csv does not go with it"),
+        (lambda path: path.with_name("checkpoints.json").unlink() or cut(path), "is damaged"),
+    ],
+)  # fmt: skip
+def test_a_damaged_checkpoint_is_passed_over(
+    damage: Callable[[Path], None], said: str, run: Path
+) -> None:
+    log = (run / "events.csv").read_text()
+    damage(newest(run))
+    found = find_resumption(run)
+    if (run / "events.csv").read_text() == log:
+        assert found.restart == "skin.step200.restart"
+    (note,) = found.notes[:1]
+    assert note.startswith(f"checkpoint {newest(run)}: ")
+    assert re.search(said, note)
+
+
+@pytest.mark.parametrize("damage", [cut, flip])
+def test_a_run_goes_on_from_the_checkpoint_before(
+    damage: Callable[[Path], None], run: Path, undisturbed: Outcome
+) -> None:
+    damage(newest(run))
+    assert_same(finish(run), undisturbed)
+    assert find_resumption(run).notes == []
+
+
+def test_the_newest_is_the_one_of_the_last_step(run: Path) -> None:
+    """The clock may have jumped."""
+    for step, year in zip(KEPT, (2100, 1980, 2001), strict=True):
+        moment = time.mktime((year, 1, 1, 0, 0, 0, 0, 0, 0))
+        os.utime(run / f"skin.step{step}.restart", (moment, moment))
+    assert find_resumption(run).restart == newest(run).name
+
+
+def test_no_checkpoint_is_good(run: Path) -> None:
+    for step in KEPT:
+        flip(run / f"skin.step{step}.restart")
+    before = {path.name: path.read_bytes() for path in run.iterdir()}
+    with pytest.raises(SkinError, match=r"has no good checkpoint; .*step250.* .*step150.*damaged"):
+        Simulation.resume(run)
+    assert before == {path.name: path.read_bytes() for path in run.iterdir()}
+
+
+def test_no_run(built: Path) -> None:
+    with pytest.raises(SkinError, match="holds no checkpoint to resume from"):
+        Simulation.resume(built)
+
+
+def test_the_list_is_damaged(run: Path, undisturbed: Outcome) -> None:
+    cut(run / "checkpoints.json")
+    assert find_resumption(run).notes == [
+        f"checkpoints {run / 'checkpoints.json'}: is damaged; hashes are not compared"
+    ]
+    assert_same(finish(run), undisturbed)
+    assert len(json.loads((run / "checkpoints.json").read_text())["checkpoints"]) == 3
+
+
+def test_another_version_of_the_plugin(run: Path) -> None:
+    """Its own number of the form stands before what it stores: 2 of them, as a double."""
+    content = newest(run).read_bytes()
+    assert content.count(b"skin/cells\0") == 1
+    place = content.index(b"skin/cells\0") + len(b"skin/cells\0") + 8
+    form = np.frombuffer(content, float, 1, place)
+    changed = content[:place] + (form + 1).tobytes() + content[place + 8 :]
+    newest(run).write_bytes(changed)
+    (run / "checkpoints.json").unlink()
+    with pytest.raises(SkinError, match="was written by another version of this fix"):
+        Simulation.resume(run)
+
+
+# ---- what else a run is made of
+
+
+@pytest.mark.parametrize("name", ["scene.in", "skin.in", "cell_cell_adhesion.table", "scene.toml"])
+def test_inputs_that_have_changed(name: str, run: Path) -> None:
+    (run / name).write_text((run / name).read_text() + "\n# changed\n")
+    with pytest.raises(SkinError, match=f"input .*{name}: is not what it was when the run began"):
+        Simulation.resume(run)
+
+
+def test_the_data_file_counts_where_a_run_begins(run: Path, undisturbed: Outcome) -> None:
+    flip(run / "skin.data")
+    assert find_resumption(run).restart == newest(run).name
+    for step in KEPT:
+        (run / f"skin.step{step}.restart").unlink()
+    listed = json.loads((run / "checkpoints.json").read_text())
+    (run / "checkpoints.json").write_text(json.dumps({**listed, "checkpoints": []}))
+    with pytest.raises(SkinError, match=r"input .*skin\.data: is not what it was"):
+        Simulation.resume(run)
+    flip(run / "skin.data")
+    assert find_resumption(run).restart is None
+    assert_same(finish(run), undisturbed)
+
+
+def damage_in_a_chunk(path: Path) -> None:
+    """In the packed positions of a frame, where only their checksum tells."""
+    with h5py.File(path) as file:
+        chunk = file["particles/trajectory/position/value"].id.get_chunk_info(7)
+    content = bytearray(path.read_bytes())
+    content[chunk.byte_offset + chunk.size // 2] ^= 16
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("damage", [cut, damage_in_a_chunk, lambda path: cut(path, 0)])
+@pytest.mark.parametrize("spare", [True, False])
+def test_the_trajectory_is_damaged(
+    damage: Callable[[Path], None], spare: bool, run: Path, undisturbed: Outcome
+) -> None:
+    """It is set aside; the run is what it was, and frames are there or plainly not."""
+    (run / "skin.h5.next").unlink(missing_ok=True)
+    if spare:
+        shutil.copy(run / "skin.h5", run / "skin.h5.next")
+    damage(run / "skin.h5")
+    with Simulation.resume(run) as resumed:
+        resumed.run(until=6.0)
+    (note,) = resumed.notes
+    assert note.startswith(f"trajectory {run / 'skin.h5'}: ")
+    assert (run / "skin.h5.damaged").exists()
+    begun = 0 if spare else KEPT[-1]
+    frames = [frame for frame in undisturbed.frames if begun <= frame.step <= 300]
+    found = list(Store(run / "skin.h5"))
+    assert len(found) == len(frames)
+    assert all(map(same, found, frames))
+
+
+# ---- runs of plain lmp
+
+
+def test_a_run_of_plain_lmp_is_resumed(built: Path, undisturbed: Outcome) -> None:
+    """Killed while its files were written in turns; one of them is cut off, if not by that."""
+    lmp = [Path(sys.executable).parent / "lmp", "-in", "skin.in", "-var", "dump_interval", "0.3"]
+    process = subprocess.Popen(lmp, cwd=built, stdout=subprocess.DEVNULL)
+    deadline = time.monotonic() + PATIENCE
+    while not (built / "skin.2.restart").exists() and time.monotonic() < deadline:
+        time.sleep(0.001)
+    time.sleep(0.05)
+    process.kill()
+    process.wait()
+    names = {"skin.1.restart", "skin.2.restart"}
+    last = find_resumption(built)
+    if not last.notes:
+        cut(built / last.restart)
+    found = find_resumption(built)
+    (other,) = names - {found.restart}
+    assert found.notes == [f"checkpoint {built / other}: is damaged"]
+    assert_same(finish(built), undisturbed)

@@ -1,0 +1,188 @@
+"""Scenes at the extremes end in a sane state, or in an error that says what went wrong."""
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from lammps_skin import lattice
+from lammps_skin.configuration import Configuration
+from lammps_skin.errors import SimulationError
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.scene import Scene
+from lammps_skin.simulation import Simulation
+
+from tests.cells.conftest import CONTACT, HEIGHT, QUIET, place
+
+LEVELS = ("reference", "balanced", "fast")
+TOUGH = {
+    "soft membrane": {"membrane.stretch_stiffness": 4e-5, "membrane.bending_stiffness": 5e-4},
+    "stiff links": {"membrane.stretch_stiffness": 40.0},
+    "stiff bending": {"membrane.bending_stiffness": 500.0},
+    "stiff cells": {"cells.exclusion_stiffness": 40.0, "cells.membrane_exclusion_stiffness": 40.0},
+    "no bending": {"membrane.bending_stiffness": 0.0},
+    "no stretching": {"membrane.stretch_stiffness": 0.0},
+    "no exclusion": {"cells.exclusion_stiffness": 0.0, "cells.membrane_exclusion_stiffness": 0.0},
+    "adhesion x 100": {"cells.adhesion_stiffness": 2500.0, "cells.binding_stiffness": 2500.0},
+    "growth x 100": {"cells.division_rate": 14.0},
+    "all divide at once": {
+        "cells.first_phase": 0.0, "cells.cycle_delay": 1.0, "cells.cycle_rate": 1e6,
+    },
+}  # fmt: skip
+SAYS_WHERE = re.compile(r"on step \d+.*(timestep|cutoff)|lost|[Pp]air distance|image")
+
+
+def small(level: str, **changes: Any) -> Scene:
+    """TA cells over stem cells on a small free membrane, dividing every few time units."""
+    return Scene.from_dict(
+        {
+            "name": "extreme", "end_time": 10.0, "dermis": {"present": False},
+            "membrane": {"lattice": [20, 24]}, "cells": {"stem": 4, "arrangement": "random"},
+            "numerics": {"accuracy": level}, "output": {**QUIET, "thermo_interval": 5.0},
+        }
+    ).replace(**{"cells.cycle_delay": 2.0, "cells.cycle_rate": 0.5, "cells.first_phase": 4.0,
+                 "cells.division_rate": 0.7, **changes})  # fmt: skip
+
+
+def run(scene: Scene, configuration: Configuration | None = None, **options: Any) -> str:
+    """Run to the end: "" for a sane state, or the text of the error."""
+    try:
+        with Simulation(scene, configuration=configuration, **options) as simulation:
+            simulation.run()
+            assert_sane(simulation)
+    except SimulationError as error:
+        return str(error)
+    return ""
+
+
+def assert_sane(simulation: Simulation) -> None:
+    """Finite, links within their singular length, cells not inside the membrane."""
+    scene, particles = simulation.scene, simulation.forces()
+    assert np.isfinite(particles.positions).all()
+    assert np.isfinite(particles.forces).all()
+    assert all(math.isfinite(value) for value in simulation.energies().values())
+    sheet = particles.positions[particles.types == Kind.MEMBRANE]
+    links, _ = lattice.links_and_hinges(scene.membrane.lattice)
+    ends = sheet[links[:, 1]] - sheet[links[:, 0]]
+    sides = np.array(scene.box_sides[:2])
+    ends[:, :2] -= sides * np.round(ends[:, :2] / sides)
+    singular = 2 * scene.membrane.radius * (1 + scene.membrane.spacing_ratio)
+    if scene.membrane.stretch_stiffness:
+        assert np.linalg.norm(ends, axis=1).max() < singular
+    if scene.cells.membrane_exclusion_stiffness and len(simulation.cells().ids):
+        assert simulation.cells().distance.min() > 0.5 * scene.contact
+
+
+def assert_sane_or_named(outcome: str) -> None:
+    assert outcome == "" or SAYS_WHERE.search(outcome), outcome
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("extreme", TOUGH)
+def test_extreme_parameters(extreme: str, level: str) -> None:
+    assert_sane_or_named(run(small(level, **TOUGH[extreme])))
+
+
+@pytest.mark.parametrize("factor", [0.5, 0.99, 1.01, 10.0])
+def test_timestep_around_the_limit(factor: float) -> None:
+    """A stem cell bound to one membrane particle: two springs in line, lambda = 2 K / D^2."""
+    stiffness = 100.0
+    limit = 2 / (2 * stiffness / CONTACT**2)
+    still = {"membrane.stretch_stiffness": 0.0, "membrane.bending_stiffness": 0.0,
+             "cells.generations": 0, "cells.cycle_delay": 1e6, "cells.cycle_rate": 1e-6,
+             "numerics.largest_move": 0.0, "output.thermo_interval": 40.0,
+             "cells.membrane_exclusion_stiffness": 0.0}  # fmt: skip
+    scene = small("reference", **still).replace(
+        **{"cells.binding_stiffness": stiffness, "numerics.timestep": factor * limit,
+           "cells.stem": 1, "end_time": 400 * limit, "numerics.event_interval": 0.0}
+    )  # fmt: skip
+    on_top = lattice.positions(scene.membrane.lattice, scene.spacing, HEIGHT)[100]
+    start = place(scene, [(Kind.STEM, (*on_top[:2], on_top[2] + CONTACT + 1e-4), 0)])
+    with Simulation(scene, configuration=start) as simulation:
+        simulation.run(until=20 * factor * limit)
+        stretch = abs(float(simulation.cells().distance[0]) - CONTACT)
+    assert (stretch < 1e-4) == (factor < 1)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_no_cells_and_one_cell(level: str) -> None:
+    for stem in (0, 1):
+        assert run(small(level, **{"cells.stem": stem})) == ""
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_all_cells_removed(level: str) -> None:
+    """TA cells that begin beyond the threshold leave, and the membrane goes on."""
+    scene = small(level)
+    far = [(Kind.TA, (2.0 + 2 * n, 3.0, HEIGHT + 2 * CONTACT), 3) for n in range(3)]
+    with Simulation(scene, configuration=place(scene, far)) as simulation:
+        simulation.run()
+        assert len(simulation.cells().ids) == 0
+        assert_sane(simulation)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_smallest_box(level: str) -> None:
+    assert_sane_or_named(run(small(level, **{"membrane.lattice": list(Scene.smallest_lattice)})))
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_folded_membrane(level: str) -> None:
+    """Waves as high as they are long relax."""
+    scene = small(level, **{"cells.stem": 0})
+    start = Configuration.from_scene(scene)
+    phase = 2 * np.pi * start.positions[:, 0] / scene.box_sides[0]
+    start.positions[:, 2] += 2.5 * np.sin(2 * phase)
+    assert run(scene, start) == ""
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_sliver_triangle(level: str) -> None:
+    """A triangle of area 1e-6, on which bending has no bound."""
+    scene = small(level, **{"cells.stem": 0, "end_time": 2.0})
+    start = Configuration.from_scene(scene)
+    opposite, i, j, _ = start.hinges[200]
+    x = start.positions
+    middle = (x[i] + x[j]) / 2
+    height = 2e-6 / np.linalg.norm(x[i] - x[j])
+    x[opposite] = middle + height * (x[opposite] - middle) / np.linalg.norm(x[opposite] - middle)
+    assert_sane_or_named(run(scene, start))
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_dense_dermis(level: str) -> None:
+    scene = small(level, **{"dermis.present": True, "dermis.volume_fraction": 1.28})
+    assert_sane_or_named(run(scene.replace(end_time=3.0)))
+
+
+def test_overstretched_link_is_named() -> None:
+    scene = small("reference", **{"cells.stem": 0, "numerics.largest_move": 0.0})
+    with Simulation(scene) as simulation:
+        simulation.command("group one id 101")
+        simulation.command("fix pull one addforce 0 0 300")
+        with pytest.raises(SimulationError, match=r"link of atoms \d+ and \d+ has length .*try"):
+            simulation.run()
+
+
+def test_cell_through_the_membrane_is_named(tmp_path: Path) -> None:
+    """A force that no term of the model has pushes a cell into the membrane."""
+    scene = small("reference", **{"numerics.largest_move": 0.0})
+    cells = [(Kind.STEM, (4.0, 4.0, HEIGHT + CONTACT), 0)]
+    with Simulation(scene, tmp_path, place(scene, cells)) as simulation:
+        simulation.command("group sheet type membrane")
+        simulation.command("fix hold sheet setforce 0 0 0")
+        simulation.command("fix push cells addforce 0 0 -300")
+        with pytest.raises(SimulationError, match=r"cell \d+ of type \d+ breaks through .*step"):
+            simulation.run()
+    assert set(CELLS) >= {Kind.STEM}
+
+
+def test_what_is_no_number_is_named() -> None:
+    scene = small("reference", **{"cells.stem": 0, "numerics.largest_move": 0.0})
+    with Simulation(scene) as simulation:
+        simulation.command("variable none atom 0/0")
+        simulation.command("fix push all addforce 0 0 v_none")
+        with pytest.raises(SimulationError, match=r"unstable on step \d+|Divide by 0"):
+            simulation.run()
