@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -20,7 +21,7 @@ from lammps_skin.errors import SkinError
 from lammps_skin.simulation import Simulation
 from lammps_skin.trajectory.store import Store
 
-from tests.checkpoints.conftest import PATIENCE, Outcome, assert_same, finish
+from tests.checkpoints.disturbed import PATIENCE, Outcome, assert_same, finish
 from tests.trajectory.conftest import same
 
 KEPT = (150, 200, 250)  # steps of the checkpoints that the run of `halfway` has
@@ -203,21 +204,33 @@ def test_the_trajectory_is_damaged(
 # ---- runs of plain lmp
 
 
-def test_a_run_of_plain_lmp_is_resumed(built: Path, undisturbed: Outcome) -> None:
-    """Killed while its files were written in turns; one of them is cut off, if not by that."""
+def plain_lmp(directory: Path) -> subprocess.Popen[bytes]:
     lmp = [Path(sys.executable).parent / "lmp", "-in", "skin.in", "-var", "dump_interval", "0.3"]
-    process = subprocess.Popen(lmp, cwd=built, stdout=subprocess.DEVNULL)
+    return subprocess.Popen(
+        lmp, cwd=directory, stdout=subprocess.DEVNULL, start_new_session=True
+    )  # fmt: skip
+
+
+def test_a_killed_run_of_plain_lmp_is_resumed(built: Path, undisturbed: Outcome) -> None:
+    """Killed while its files are written in turns; the command starts a program of its own."""
+    process = plain_lmp(built)
     deadline = time.monotonic() + PATIENCE
     while not (built / "skin.2.restart").exists() and time.monotonic() < deadline:
         time.sleep(0.001)
     time.sleep(0.05)
-    process.kill()
+    os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    names = {"skin.1.restart", "skin.2.restart"}
-    last = find_resumption(built)
-    if not last.notes:
-        cut(built / last.restart)
+    assert_same(finish(built), undisturbed)
+
+
+def test_a_damaged_run_of_plain_lmp_is_resumed(built: Path, undisturbed: Outcome) -> None:
+    """The newer of its two files is cut off."""
+    assert plain_lmp(built).wait(PATIENCE) == 0
+    newer, older = sorted(
+        built.glob("skin.[12].restart"), key=lambda path: path.stat().st_mtime, reverse=True
+    )
+    cut(newer)
     found = find_resumption(built)
-    (other,) = names - {found.restart}
-    assert found.notes == [f"checkpoint {built / other}: is damaged"]
+    assert found.restart == older.name
+    assert found.notes == [f"checkpoint {newer}: is damaged"]
     assert_same(finish(built), undisturbed)

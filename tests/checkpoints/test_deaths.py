@@ -20,7 +20,7 @@ from lammps_skin.checkpoints import find_resumption
 from lammps_skin.errors import SkinError
 from lammps_skin.simulation import Simulation
 
-from tests.checkpoints.conftest import (
+from tests.checkpoints.disturbed import (
     CHECKPOINT,
     END,
     PATIENCE,
