@@ -3,7 +3,7 @@
 Reads the gathered tables of `skin ensemble` (SCENE.csv.gz). Means over seeds with 95 % confidence
 intervals after Student's t; a value of one seed is its mean over the window.
 
-    python benchmarks/paper_claims.py docs/data [--size quarter]
+    python benchmarks/paper_claims.py docs/data > docs/ensembles.md
 """
 
 from __future__ import annotations
@@ -24,14 +24,34 @@ WINDOWS = ((300, 400), (400, 600), (600, 800), (800, 1000))
 LATE = (400, 1000)
 ORDERS = ("chi_H", "chi_G", "zeta", "sigma")
 
+HEAD = """\
+# Ensembles
 
-def interval(value: Mean) -> str:
+`python benchmarks/paper_claims.py docs/data` makes this page from the tables in [data](data).
+[Reproduction](reproduction.md) says what follows from it and how the tables were made.
+
+Values are means over seeds of the mean over a window of time, with 95 % confidence intervals
+(Student's t over seeds). Where there is one seed there is no interval. Columns are those of
+[analysis](analysis.md#table-of-observables).
+
+* `covered to`: first time at which so much of the membrane is covered.
+* `> 0 from`: first time from which on the interval stays above 0 for 50 time units.
+* `zeta after chi_H by`: difference of the times at which the means over seeds first reach half of
+  their mean over t = 400 to 600, after t = 200; the interval is a bootstrap over seeds.
+* `F`, `p`: one-way analysis of variance over ring, cluster and random.
+"""
+
+
+def number(value: float, digits: int = 0) -> str:
+    return "-" if np.isnan(value) else f"{value:.{digits}f}"
+
+
+def interval(value: Mean, digits: int = 2) -> str:
     """Mean and confidence interval, or the value alone of one seed."""
-    if np.isnan(value.value):
-        return "-"
+    mean = number(value.value, digits)
     if np.isnan(value.low):
-        return f"{value.value:.2f}"
-    return f"{value.value:.2f} [{value.low:.2f}, {value.high:.2f}]"
+        return mean
+    return f"{mean} [{number(value.low, digits)}, {number(value.high, digits)}]"
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
@@ -120,9 +140,9 @@ def beginnings(scenes: dict[str, Table]) -> None:
     for name, data in scenes.items():
         lag, low, high = lags(data)
         rows.append(
-            [name, interval(covered(data, 0.9)), interval(covered(data, 0.98)),
-             *(f"{onset(data, column):.0f}" for column in ("chi_H", "chi_G", "zeta")),
-             f"{lag:.0f} [{low:.0f}, {high:.0f}]"]
+            [name, interval(covered(data, 0.9), 0), interval(covered(data, 0.98), 0),
+             *(number(onset(data, column)) for column in ("chi_H", "chi_G", "zeta")),
+             number(lag) if np.isnan(low) else f"{lag:.0f} [{low:.0f}, {high:.0f}]"]
         )  # fmt: skip
     head = ["scene", "covered to 0.9", "to 0.98", "chi_H > 0 from", "chi_G > 0 from",
             "zeta > 0 from", "zeta after chi_H by"]  # fmt: skip
@@ -140,33 +160,41 @@ def arrangements(scenes: dict[str, Table]) -> None:
     table(["column", "t", "F", "p"], rows)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--size", default="quarter", choices=("quarter", "paper"))
-    options = parser.parse_args()
+def report(folder: Path, size: str) -> None:
+    """All tables of the scenes of one size."""
 
     def of(names: Iterable[str]) -> dict[str, Table]:
-        paths = {name: options.folder / f"{options.size}-{name}.csv.gz" for name in names}
+        paths = {name: folder / f"{size}-{name}.csv.gz" for name in names}
         return {name: load(path) for name, path in paths.items() if path.exists()}
 
     ring, nd = of(ARRANGEMENTS), of(ND_SCENES)
-    print("Stem cells\n")
+    if not ring and not nd:
+        return
+    print(f"## Scenes of the {size} size\n\n### Stem cells\n")
     windows({**ring, **nd}, ORDERS)
-    print("Coverage, folds\n")
+    print("### Coverage, folds\n")
     windows({**ring, **nd}, ("coverage", "skewness", "papillae", "papilla_height"))
-    print("Beginnings\n")
+    print("### Beginnings\n")
     beginnings({**ring, **nd})
-    if len(ring) > 1 and options.size == "quarter":
-        print("Does the arrangement matter?\n")
+    if len(ring) > 1 and min(len(np.unique(data["seed"])) for data in ring.values()) > 1:
+        print("### Does the arrangement matter?\n")
         arrangements(ring)
-    print("Tips\n")
+    print("### Tips\n")
     differences({**ring, **nd}, [("stem_on_tips", "stem_tips_expected")])
     if nd:
-        print("ND cells\n")
+        print("### ND cells\n")
         windows(nd, (f"{name}_nd" for name in ORDERS))
         differences(nd, [(f"{name}_nd", name) for name in ORDERS])
         differences(nd, [("nd_on_tips", "nd_tips_expected")])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    options = parser.parse_args()
+    print(HEAD)
+    for size in ("quarter", "paper"):
+        report(options.folder, size)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@
 #include "neighbor.h"
 #include "update.h"
 
+#include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
@@ -22,6 +23,12 @@ using namespace LAMMPS_NS;
 // smallest length of an unnormalised normal (twice a triangle's area) that has a direction
 
 static constexpr double SMALLEST_NORMAL = 1.0e-10;
+
+// cosine of the angle by which an inverted triangle is folded against all that are around it
+
+static constexpr double INVERTED = -0.5;
+
+static constexpr double DEGREES = 180.0 / 3.14159265358979323846;
 
 /* ---------------------------------------------------------------------- */
 
@@ -280,6 +287,24 @@ void DihedralSkinBend::add_stiffness(double *sum) const
 }
 
 /* ----------------------------------------------------------------------
+   a triangle of the last compute() that is folded far over against all three around it has
+   been turned over
+------------------------------------------------------------------------- */
+
+void DihedralSkinBend::check_inverted() const
+{
+  for (int t = 0; t < ntriangles; t++) {
+    double least = -1.0;
+    for (int k = 0; k < 3; k++) {
+      const int m = across[k][t];
+      least = std::max(least, normal[0][t] * normal[0][m] + normal[1][t] * normal[1][m] +
+                                  normal[2][t] * normal[2][m]);
+    }
+    if (least < INVERTED) inverted(t, least);
+  }
+}
+
+/* ----------------------------------------------------------------------
    each link is seen from both of its triangles, half of its energy from each; of the whole,
    each of the four atoms of the dihedral has a quarter
 ------------------------------------------------------------------------- */
@@ -318,6 +343,19 @@ void DihedralSkinBend::tally_virial()
         for (int c = 0; c < 3; c++) vatom[corner[c][t]][k] += w / 3.0;
     }
   }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void DihedralSkinBend::inverted(int t, double least) const
+{
+  const tagint *tag = atom->tag;
+  error->one(FLERR,
+             "Dihedral skin/bend: the triangle of atoms {} {} {} is inverted on step {}: its "
+             "folds against the three around it are {} degrees and more, above {}; try a smaller "
+             "timestep than {}",
+             tag[corner[0][t]], tag[corner[1][t]], tag[corner[2][t]], update->ntimestep,
+             std::acos(least) * DEGREES, std::acos(INVERTED) * DEGREES, update->dt);
 }
 
 /* ---------------------------------------------------------------------- */

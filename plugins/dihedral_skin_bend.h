@@ -19,6 +19,7 @@ class DihedralSkinBend : public Dihedral {
   void write_data(FILE *) override;
   double memory_usage() override;
   void add_stiffness(double *) const;
+  void check_inverted() const;
 
  private:
   double *stiffness;
@@ -45,6 +46,7 @@ class DihedralSkinBend : public Dihedral {
   void tally_energy();
   void tally_virial();
   void degenerate(int);
+  void inverted(int, double) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -35,7 +35,8 @@ static constexpr int MOST_STAGES = 99;
 
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), cells(nullptr),
-    steps(0), divided(0), parts(0), evaluations(0), limited(0), slowest(1.0), offender(-1)
+    bend(nullptr), steps(0), divided(0), parts(0), evaluations(0), limited(0), slowest(1.0),
+    offender(-1)
 {
   parse(narg, arg);
 
@@ -83,7 +84,7 @@ void FixSkinMotion::parse(int narg, char **arg)
 
 int FixSkinMotion::setmask()
 {
-  return INITIAL_INTEGRATE;
+  return INITIAL_INTEGRATE | FINAL_INTEGRATE;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -101,6 +102,7 @@ void FixSkinMotion::init()
     error->all(FLERR, "Fix skin/motion stiffness = {}: needs bond style skin/stretch or dihedral "
                "style skin/bend, which know their stiffness", stiffness_limit);
 
+  bend = dynamic_cast<DihedralSkinBend *>(force->dihedral);
   cells = nullptr;
   for (Fix *fix : modify->get_fix_by_style("^skin/cells$"))
     cells = dynamic_cast<FixSkinCells *>(fix);
@@ -133,6 +135,13 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
   parts += nparts;
   evaluations++;
   if (nparts > 1) divided++;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinMotion::final_integrate()
+{
+  if (bend) bend->check_inverted();
 }
 
 /* ----------------------------------------------------------------------
@@ -263,8 +272,7 @@ void FixSkinMotion::find_mobility()
   stiffness.assign(nlocal + atom->nghost, 0.0);
   if (auto *stretch = dynamic_cast<BondSkinStretch *>(force->bond))
     stretch->add_stiffness(stiffness.data());
-  if (auto *bend = dynamic_cast<DihedralSkinBend *>(force->dihedral))
-    bend->add_stiffness(stiffness.data());
+  if (bend) bend->add_stiffness(stiffness.data());
   comm->reverse_comm(this);
 
   for (int i = 0; i < nlocal; i++) {

@@ -15,6 +15,7 @@ class FixSkinMotion : public Fix {
   int setmask() override;
   void init() override;
   void initial_integrate(int) override;
+  void final_integrate() override;
   int pack_reverse_comm(int, int, double *) override;
   void unpack_reverse_comm(int, int *, double *) override;
   double compute_vector(int) override;
@@ -25,6 +26,7 @@ class FixSkinMotion : public Fix {
   double largest_move;           // of any particle in one part of a step, infinite without limit
   double stiffness_limit;        // of a membrane particle that moves at full speed, or infinite
   class FixSkinCells *cells;     // told the times of stages, if there is one
+  class DihedralSkinBend *bend;  // asked for inverted triangles after a step, if there is one
 
   // one part of a step
 

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 Level = Literal["reference", "balanced", "fast"]
 
-DEFAULT_LEVEL: Level = "reference"
+DEFAULT_LEVEL: Level = "balanced"
 
 LEVELS: dict[str, dict[str, Any]] = {
     "reference": {},

@@ -130,6 +130,7 @@ def _variables(
     if scene.dermis.present:
         yield "\n# dermis"
         yield string("wall", wall_coefficients(scene))
+        yield index("frozen_below", scene.dermis.frozen_below)
     if scene.has_cells:
         yield from _cell_variables(scene, string)
 

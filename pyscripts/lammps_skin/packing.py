@@ -68,7 +68,7 @@ def _set_up(engine: Any, scene: Scene, dermis: Floats, membrane: Floats) -> None
         region box block 0 {lx:.17g} 0 {ly:.17g} 0 {lz:.17g}
         create_box 2 box
         mass * 1
-        neighbor {scene.numerics.neighbor_skin:.17g} bin
+        neighbor 0.3 bin
         neigh_modify every 1 delay 0 check yes
     """)
     x = np.concatenate([dermis, membrane])

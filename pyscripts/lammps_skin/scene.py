@@ -42,6 +42,7 @@ class Dermis(Part):
     softening: NotNegative = Field(0.125, description="a1")
     softening_onset: Fraction = Field(0.8, description="d1")
     volume_fraction: Annotated[float, Field(gt=0, le=1.5)] = 0.64
+    frozen_below: NotNegative = Field(0.0, description="spheres that start lower are held")
     seed: Seed | None = Field(None, description="of the packing; the scene's seed if not given")
 
 

@@ -38,7 +38,6 @@ BUILT_IN: dict[str, dict[str, Any]] = {
         "end_time": 320.0,
         "membrane": {"lattice": [40, 46]},
         "cells": {"stem": 6, "arrangement": "ring"},
-        "numerics": {"timestep": 0.02},
     },
     **{f"{size}-{name}": _arranged(size, name) for size in SIZES for name in ARRANGEMENTS},
     "bare-membrane": {

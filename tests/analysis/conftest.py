@@ -35,6 +35,7 @@ def crowding() -> Scene:
                 "stem": 3, "nd": 2, "arrangement": "random", "generations": 3,
                 "cycle_delay": 1.0, "cycle_rate": 1.0, "first_phase": 1.0, "division_rate": 2.0,
             },
+            "numerics": {"accuracy": "reference"},
             "output": {"dump_interval": INTERVAL, "checkpoint_interval": 0.0},
         }
     )  # fmt: skip

@@ -40,6 +40,7 @@ def membrane_scene(size: tuple[int, int] = (24, 28), **changes: object) -> Scene
             "dermis": {"present": False},
             "membrane": {"lattice": list(size)},
             "cells": {"stem": 1, "nd": 1, "arrangement": "random"},
+            "numerics": {"accuracy": "reference"},
             "output": QUIET,
         }
     )

@@ -205,7 +205,14 @@ def test_restart_refuses_the_log_of_another_run(whole: Path, tmp_path: Path) -> 
 def test_restart_remembers_the_ids_of_the_dead(tmp_path: Path) -> None:
     """The cell with the highest id dies before the restart, a stem cell divides after it."""
     output = {**QUIET, "checkpoint_interval": 1.0}
-    scene = membrane_scene(**{"end_time": 2.0, "numerics.timestep": 0.02, "output": output})
+    scene = membrane_scene(
+        **{
+            "end_time": 2.0,
+            "numerics.accuracy": "reference",
+            "numerics.timestep": 0.02,
+            "output": output,
+        }
+    )
     spot = (6.0, 7 * math.sqrt(3) / 2)
     configuration = place(
         scene,
@@ -274,7 +281,12 @@ def fixes(directory: Path) -> list[str]:
 
 def part_of(**changes: object) -> Scene:
     return Scene.from_dict(
-        {"end_time": 0.1, "membrane": {"lattice": [24, 28]}, "output": QUIET}
+        {
+            "end_time": 0.1,
+            "membrane": {"lattice": [24, 28]},
+            "output": QUIET,
+            "numerics": {"accuracy": "reference"},
+        }
     ).replace(**changes)
 
 

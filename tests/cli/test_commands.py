@@ -71,7 +71,7 @@ def test_check_counts_what_build_makes(skin):
     for kind in (Kind.DERMAL, Kind.MEMBRANE, Kind.STEM):
         assert int(row(text, f"{kind.label} particles")) == (configuration.kinds == kind).sum()
     assert int(row(text, "links")) == len(configuration.links)
-    assert row(text, "steps") == "20,000"
+    assert row(text, "steps") == "400"
 
 
 def test_check_says_what_is_off_and_why(skin):
@@ -96,6 +96,24 @@ def test_check_measures(skin):
     text = skin("check", "bare-membrane", *SMALLEST, "--measure").out
     assert "ms expected" in text
     assert 1e-3 < float(re.search(r"([\d.e-]+) ms measured", text)[1]) < 100
+
+
+def test_check_says_what_could_be_left_out(skin):
+    text = skin("check", "no-dermis").out
+    assert "folds may pass" in text and "membrane.exclusion" in text
+    assert "dermis.present" not in text.split("could be left out")[1]
+    assert "dermis.frozen_below" in skin("check", "quarter-ring").out
+
+
+def test_check_measures_what_could_be_left_out():
+    from lammps_skin.savings import measured
+
+    scene = Scene.load("one-stem").replace(**{"cells.stem": 0})
+    found = {next(iter(saving.changes)): saving.time for saving in measured(scene, steps=4)}
+    assert list(found) == [
+        "dermis.frozen_below", "dermis.present", "membrane.exclusion_stiffness",
+    ]  # fmt: skip
+    assert 0 < found["dermis.present"] < 1
 
 
 def test_cost_grows_with_what_it_is_made_of():

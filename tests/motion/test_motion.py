@@ -17,7 +17,12 @@ CORNER = 2 * 24 + 5  # of the lattice of bare-membrane below
 def sheet(**changes: Any) -> tuple[Scene, Configuration]:
     """A small rough membrane."""
     scene = Scene.load("bare-membrane").replace(
-        **{"membrane.lattice": [24, 28], "output.dump_interval": 0.0, **changes}
+        **{
+            "membrane.lattice": [24, 28],
+            "output.dump_interval": 0.0,
+            "numerics.accuracy": "reference",
+            **changes,
+        }
     )
     return scene, Configuration.from_scene(scene)
 
@@ -75,6 +80,17 @@ def test_collapsed_triangle_is_survived() -> None:
     assert np.abs(moved[:, 2] - scene.membrane_height).max() < 1.0
     with pytest.raises(SimulationError, match="link of atoms"):
         state_after(scene.replace(**{"numerics.largest_move": 0.0}), start, 1.0)
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_inverted_triangle_ends_the_run(ranks: int) -> None:
+    """It is named after the first step, if it is not thrown back in that step."""
+    scene, configuration = sheet()
+    message = r"triangle of atoms \d+ \d+ \d+ is inverted on step 1: .* try a smaller timestep"
+    with Simulation(scene, configuration=inverted(configuration), ranks=ranks) as simulation:
+        simulation.command("fix freeze all setforce 0 0 0")
+        with pytest.raises(SimulationError, match=message):
+            simulation.run(until=0.1)
 
 
 @pytest.mark.parametrize("how", [{"ranks": 2}, {"threads": 2}])

@@ -96,6 +96,7 @@ def test_energies_are_those_of_the_formulas(name: str) -> None:
         {
             "parameters": name, "dermis": {"present": False}, "membrane": {"lattice": [28, 32]},
             "cells": {"stem": 1, "nd": 1, "arrangement": "random"},
+            "numerics": {"accuracy": "reference"},
             "output": {"dump_interval": 0.0, "checkpoint_interval": 0.0},
         }
     )  # fmt: skip

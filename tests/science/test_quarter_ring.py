@@ -3,12 +3,10 @@
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
+from lammps_skin.observables import observables
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
-
-from benchmarks.quarter_ring import measured
 
 # a periodic sheet closes on itself, and the dermal force jumps to 0 at its cutoff
 EXPECTED_WARNINGS = (
@@ -22,14 +20,14 @@ EXPECTED_WARNINGS = (
 @pytest.mark.parametrize("seed", [1, 2])
 def test_quarter_ring(seed: int, tmp_path: Path) -> None:
     """Means over t = 400 to 1000 of one seed; the numbers of several are in the documents."""
-    scene = Scene.load("quarter-ring").replace(seed=seed, **{"output.dump_interval": 0.0})
+    scene = Scene.load("quarter-ring").replace(seed=seed)
     with Simulation(scene, tmp_path) as simulation:
-        rows = list(measured(simulation, scene.end_time))
+        simulation.run()
         cells = simulation.cells()
 
-    time = np.array([row["time"] for row in rows])
-    late = {name: np.mean([row[name] for row in rows if row["time"] >= 400]) for name in rows[0]}
-    assert time[-1] == pytest.approx(1000)
+    table = observables(tmp_path)
+    late = {name: table[name][table["time"] >= 400].mean() for name in table.dtype.names}
+    assert table["time"][-1] == pytest.approx(1000)
     assert late["coverage"] > 0.95
     assert late["papillae"] > 10
     assert late["papilla_height"] > scene.cells.radius

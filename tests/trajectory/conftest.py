@@ -52,7 +52,7 @@ def small_scene() -> Scene:
                 "stem": 2, "nd": 1, "arrangement": "random", "generations": 2,
                 "cycle_delay": 0.5, "cycle_rate": 2.0, "first_phase": 0.5, "division_rate": 5.0,
             },
-            "numerics": {"event_interval": 0.1},
+            "numerics": {"accuracy": "reference", "event_interval": 0.1},
             "output": {"dump_interval": INTERVAL, "checkpoint_interval": 0.0},
         }
     )  # fmt: skip

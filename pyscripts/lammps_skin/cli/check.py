@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Annotated
 
@@ -13,6 +14,7 @@ from lammps_skin.arrangements import place_cells
 from lammps_skin.cli.options import Parameters, Settings, Source, console, duration, scene_from
 from lammps_skin.configuration import check_sizes
 from lammps_skin.kinds import Kind
+from lammps_skin.savings import Saving, candidates, measured
 from lammps_skin.scene import Scene
 from lammps_skin.terms import TERMS
 
@@ -23,6 +25,9 @@ def check(
     settings: Settings = None,
     measure: Annotated[
         bool, typer.Option("--measure", help="Time a short run of the scene on this machine.")
+    ] = False,
+    savings: Annotated[
+        bool, typer.Option("--savings", help="Measure what leaving parts out would save.")
     ] = False,
 ) -> None:
     """Show what a scene has and what it will cost, without running it."""
@@ -37,10 +42,13 @@ def check(
     with console.status("measuring"):
         seconds = cost.measure(described) if measure else None
     _print("cost on one core", _costs(described, seconds))
+    with console.status("measuring"):
+        found = measured(described) if savings else list(candidates(described))
+    _print("could be left out", _savings(found), "by", "risk", "time of a step")
 
 
-def _print(title: str, rows: Iterator[tuple[str, ...]]) -> None:
-    table = Table(title, *[""] * 2, box=None, pad_edge=False)
+def _print(title: str, rows: Iterator[tuple[str, ...]], *heads: str) -> None:
+    table = Table(title, *(heads or [""] * 2), box=None, pad_edge=False)
     for row in rows:
         table.add_row(*row)
     console.print()
@@ -100,6 +108,11 @@ def _sizes(scene: Scene) -> Iterator[tuple[str, ...]]:
 
 def _numerics(scene: Scene) -> Iterator[tuple[str, ...]]:
     numerics, output = scene.numerics, scene.output
+    limit, move = numerics.stiffness_limit, numerics.largest_move
+    yield "accuracy", numerics.accuracy
+    yield "integrator", f"{numerics.integrator}, {numerics.evaluations} force evaluations a step"
+    yield "stiffness limit", f"{limit:g}" if limit else "none"
+    yield "largest move of a step", f"{move:g}" if move else "any"
     yield "parameters, forces", f"{scene.parameters}, {scene.force_scale}"
     yield "seeds", f"cells {scene.cell_seed}, dermis {scene.dermis_seed}"
     yield "timestep, end time", f"{numerics.timestep:g}, {scene.end_time:g}"
@@ -123,3 +136,10 @@ def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
     if measured:
         yield "", f"{measured * 1e3:.3g} ms measured"
     yield "the whole run", f"about {duration(factor * expected.seconds)}"
+
+
+def _savings(found: list[Saving]) -> Iterator[tuple[str, ...]]:
+    for saving in found:
+        keys = ", ".join(f"{key} = {str(value).lower()}" for key, value in saving.changes.items())
+        measure = "" if math.isnan(saving.time) else f"x {saving.time:.2f}"
+        yield saving.name, keys, saving.risk, measure

@@ -22,13 +22,17 @@ TISSUE = {
 
 
 def draw_course(axes: Axes, table: Table, column: str, **style: str) -> None:
-    """Mean over seeds as a line, its 95 % confidence interval as a band."""
+    """Mean over seeds as a line, its 95 % confidence interval as a band.
+
+    Where less than half of the seeds have a value there is neither.
+    """
     names = table.dtype.names or ()
     for name in ("seed", "time", column):
         if name not in names:
             raise FigureError(f"table: has no column {name!r}; it has {', '.join(names)}")
     times, means = over_time(table, column)
-    value, _, low, high, _ = np.array(means).T
+    value, _, low, high, count = np.array(means).T
+    value, low, high = np.where(2 * count < count.max(), np.nan, (value, low, high))
     (line,) = axes.plot(times, value, **style)  # type: ignore[arg-type]
     axes.fill_between(times, low, high, color=line.get_color(), alpha=0.2, linewidth=0)
 
