@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 Level = Literal["reference", "balanced", "fast"]
@@ -35,3 +37,54 @@ SUMMARIES: dict[Level, str] = {
     "balanced": "Runge-Kutta-Legendre steps of 0.5; the stiffest membrane particles move slower",
     "fast": "Runge-Kutta-Legendre steps of 1",
 }
+
+TIMESTEPS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)  # of which a level takes one
+MOST_TIMESTEPS = 100  # of a level, for which stages are found
+MANY = 1e9  # steps: the last one more or less does not matter
+RESOLUTION = 10  # steps and event steps in the fastest process, at least
+
+
+def numerics(
+    level: str, given: Mapping[str, Any], intervals: Sequence[float], fastest: float
+) -> dict[str, Any]:
+    """Keys of `numerics` that a level gives to a scene.
+
+    Its timestep is shortened until all intervals are whole numbers of steps, and there are enough
+    of them in the fastest process. For the same stability with another timestep, also one that is
+    given, s^2 + s of the stages is in proportion to it.
+
+    Parameters
+    ----------
+    level : str
+        One of `LEVELS`.
+    given : mapping
+        Keys of `numerics` that the scene gives itself.
+    intervals : sequence of float
+        Times at which something happens: the end, output.
+    fastest : float
+        Duration of the fastest process, such as a cell cycle.
+    """
+    values = dict(LEVELS[level])
+    if not values:
+        return values
+    longest = values["timestep"]
+    values["timestep"] = _timestep(longest, intervals, fastest / RESOLUTION)
+    values["event_interval"] = min(values["event_interval"], fastest / RESOLUTION)
+    timestep = given.get("timestep", values["timestep"])
+    if isinstance(timestep, (int, float)) and 0 < timestep < MOST_TIMESTEPS * longest:
+        stable = (values["stages"] ** 2 + values["stages"]) * timestep / longest
+        values["stages"] = max(3, math.ceil((math.sqrt(1 + 4 * stable) - 1) / 2))
+    return values
+
+
+def _timestep(longest: float, intervals: Sequence[float], short: float) -> float:
+    """The longest of `TIMESTEPS` that fits, or the shortest of them."""
+    for timestep in TIMESTEPS:
+        whole = all(_is_whole(time / timestep) for time in intervals)
+        if timestep <= min(longest, short, *intervals) and whole:
+            return timestep
+    return TIMESTEPS[-1]
+
+
+def _is_whole(steps: float) -> bool:
+    return steps > MANY or abs(steps - round(steps)) < 1e-6

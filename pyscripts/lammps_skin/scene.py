@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
-from lammps_skin import parameters
+from lammps_skin import accuracy, parameters
 from lammps_skin.accuracy import DEFAULT_LEVEL, LEVELS, Level
 from lammps_skin.errors import SceneError
 from lammps_skin.kinds import Kind
@@ -160,10 +160,7 @@ class Scene(Part):
         name = raw.get("parameters", parameters.DEFAULT)
         if not isinstance(name, str) or name not in parameters.SETS:
             raise SceneError(f"parameters = {name!r}: must be one of {', '.join(parameters.SETS)}")
-        numerics = raw.get("numerics")
-        level = numerics.get("accuracy") if isinstance(numerics, Mapping) else None
-        known = LEVELS.get(level if isinstance(level, str) else DEFAULT_LEVEL, {})
-        defaults = _merge(parameters.SETS[name], {"numerics": known})
+        defaults = _merge(parameters.SETS[name], {"numerics": _of_level(raw)})
         try:
             scene = cls.model_validate(_as_tuples(_merge(defaults, raw)))
         except ValidationError as error:
@@ -352,6 +349,33 @@ def _merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
         else:
             merged[key] = value
     return merged
+
+
+def _of_level(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Numerics of the level of accuracy, for what can be read of a scene not yet validated."""
+
+    def part(name: str) -> Mapping[str, Any]:
+        value = given.get(name)
+        return value if isinstance(value, Mapping) else {}
+
+    def time(keys: Mapping[str, Any], key: str, default: float) -> float:
+        value = keys.get(key, default)
+        usable = isinstance(value, (int, float)) and math.isfinite(value) and value > 0
+        return float(value) if usable else default
+
+    level = part("numerics").get("accuracy", DEFAULT_LEVEL)
+    if not isinstance(level, str) or level not in LEVELS:
+        return {}
+    output, cells = Output(), Cells()
+    intervals = [time(part("output"), *item) for item in output.model_dump().items()]
+    cycle = sum(
+        (
+            time(part("cells"), "cycle_delay", cells.cycle_delay),
+            1 / time(part("cells"), "cycle_rate", cells.cycle_rate),
+        )
+    )
+    end = time(given, "end_time", Scene.model_fields["end_time"].default)
+    return accuracy.numerics(level, part("numerics"), [end, *intervals], cycle)
 
 
 def _as_tuples(given: Mapping[str, Any]) -> dict[str, Any]:

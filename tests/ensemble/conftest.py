@@ -22,6 +22,8 @@ stem = 1
 cycle_delay = 0.5
 cycle_rate = 2.0
 first_phase = 0.5
+[numerics]
+accuracy = "reference"
 [output]
 dump_interval = 0.5
 checkpoint_interval = 0.0

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from lammps_skin import cost
+from lammps_skin import cost, memory
 from lammps_skin.arrangements import place_cells
 from lammps_skin.cli.options import Parameters, Settings, Source, console, duration, scene_from
 from lammps_skin.configuration import check_sizes
@@ -95,7 +95,7 @@ def _terms(scene: Scene) -> Iterator[tuple[str, ...]]:
 
 
 def _sizes(scene: Scene) -> Iterator[tuple[str, ...]]:
-    membrane, dermal, _ = cost.particle_counts(scene)
+    membrane, dermal, _ = memory.particle_counts(scene)
     counts = {
         Kind.DERMAL: dermal, Kind.MEMBRANE: membrane, Kind.STEM: scene.cells.stem,
         Kind.ND: scene.cells.nd,
