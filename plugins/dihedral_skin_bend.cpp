@@ -287,21 +287,30 @@ void DihedralSkinBend::add_stiffness(double *sum) const
 }
 
 /* ----------------------------------------------------------------------
-   a triangle of the last compute() that is folded far over against all three around it has
-   been turned over
+   cosine of the angle of the smallest fold of a triangle against the three around it
 ------------------------------------------------------------------------- */
 
-void DihedralSkinBend::check_inverted() const
+double DihedralSkinBend::least_fold(int t) const
 {
-  for (int t = 0; t < ntriangles; t++) {
-    double least = -1.0;
-    for (int k = 0; k < 3; k++) {
-      const int m = across[k][t];
-      least = std::max(least, normal[0][t] * normal[0][m] + normal[1][t] * normal[1][m] +
-                                  normal[2][t] * normal[2][m]);
-    }
-    if (least < INVERTED) inverted(t, least);
+  double least = -1.0;
+  for (int k = 0; k < 3; k++) {
+    const int m = across[k][t];
+    least = std::max(least, normal[0][t] * normal[0][m] + normal[1][t] * normal[1][m] +
+                                normal[2][t] * normal[2][m]);
   }
+  return least;
+}
+
+/* ----------------------------------------------------------------------
+   a triangle of the last compute() that is folded far over against all three around it, so
+   that it has been turned over, or -1
+------------------------------------------------------------------------- */
+
+int DihedralSkinBend::find_inverted() const
+{
+  for (int t = 0; t < ntriangles; t++)
+    if (least_fold(t) < INVERTED) return t;
+  return -1;
 }
 
 /* ----------------------------------------------------------------------
@@ -347,15 +356,16 @@ void DihedralSkinBend::tally_virial()
 
 /* ---------------------------------------------------------------------- */
 
-void DihedralSkinBend::inverted(int t, double least) const
+void DihedralSkinBend::inverted(int t, double duration) const
 {
   const tagint *tag = atom->tag;
   error->one(FLERR,
              "Dihedral skin/bend: the triangle of atoms {} {} {} is inverted on step {}: its "
-             "folds against the three around it are {} degrees and more, above {}; try a smaller "
-             "timestep than {}",
+             "folds against the three around it are {} degrees and more, above {}, and there have "
+             "been inverted ones for {} time units; try a smaller timestep than {}",
              tag[corner[0][t]], tag[corner[1][t]], tag[corner[2][t]], update->ntimestep,
-             std::acos(least) * DEGREES, std::acos(INVERTED) * DEGREES, update->dt);
+             std::acos(least_fold(t)) * DEGREES, std::acos(INVERTED) * DEGREES, duration,
+             update->dt);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -19,7 +19,8 @@ class DihedralSkinBend : public Dihedral {
   void write_data(FILE *) override;
   double memory_usage() override;
   void add_stiffness(double *) const;
-  void check_inverted() const;
+  int find_inverted() const;
+  void inverted(int, double) const;
 
  private:
   double *stiffness;
@@ -46,7 +47,7 @@ class DihedralSkinBend : public Dihedral {
   void tally_energy();
   void tally_virial();
   void degenerate(int);
-  void inverted(int, double) const;
+  double least_fold(int) const;
 };
 
 }    // namespace LAMMPS_NS

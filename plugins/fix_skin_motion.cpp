@@ -31,12 +31,16 @@ static constexpr double SHORTEST = 1.0e-6;
 
 static constexpr int MOST_STAGES = 99;
 
+// time for which there may be inverted triangles
+
+static constexpr double LONGEST_INVERTED = 2.0;
+
 /* ---------------------------------------------------------------------- */
 
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), cells(nullptr),
     bend(nullptr), steps(0), divided(0), parts(0), evaluations(0), limited(0), slowest(1.0),
-    offender(-1)
+    offender(-1), inverted_time(0.0)
 {
   parse(narg, arg);
 
@@ -137,11 +141,15 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
   if (nparts > 1) divided++;
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   where the membrane collapses a triangle may turn over and back; it may not stay like that
+------------------------------------------------------------------------- */
 
 void FixSkinMotion::final_integrate()
 {
-  if (bend) bend->check_inverted();
+  const int t = bend ? bend->find_inverted() : -1;
+  inverted_time = t < 0 ? 0.0 : inverted_time + update->dt;
+  if (inverted_time > LONGEST_INVERTED) bend->inverted(t, inverted_time);
 }
 
 /* ----------------------------------------------------------------------

@@ -44,6 +44,7 @@ class FixSkinMotion : public Fix {
     int rank;
   };
   int offender;              // my particle that moved furthest, or -1
+  double inverted_time;      // for how long I have had an inverted triangle
 
   void parse(int, char **);
   double euler_part(double);

@@ -23,11 +23,11 @@ LEVELS: dict[str, dict[str, Any]] = {
     },
     "fast": {
         "integrator": "rkl1",
-        "stages": 9,
-        "timestep": 1.0,
+        "stages": 13,
+        "timestep": 2.0,
         "stiffness_limit": 80.0,
-        "largest_move": 0.8,
-        "event_interval": 1.0,
+        "largest_move": 1.2,
+        "event_interval": 2.0,
         "neighbor_skin": 0.5,
     },
 }
@@ -35,10 +35,10 @@ LEVELS: dict[str, dict[str, Any]] = {
 SUMMARIES: dict[Level, str] = {
     "reference": "forward Euler with a timestep of 0.01",
     "balanced": "Runge-Kutta-Legendre steps of 0.5; the stiffest membrane particles move slower",
-    "fast": "Runge-Kutta-Legendre steps of 1",
+    "fast": "Runge-Kutta-Legendre steps of 2",
 }
 
-TIMESTEPS = (1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)  # of which a level takes one
+TIMESTEPS = (2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)  # of which a level takes one
 MOST_TIMESTEPS = 100  # of a level, for which stages are found
 MANY = 1e9  # steps: the last one more or less does not matter
 RESOLUTION = 10  # steps and event steps in the fastest process, at least

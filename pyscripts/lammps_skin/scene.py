@@ -120,7 +120,7 @@ class Numerics(Part):
 class Output(Part):
     """How often what is written, in time units; 0 is never."""
 
-    thermo_interval: Positive = 1.0
+    thermo_interval: Positive = 2.0
     dump_interval: NotNegative = 10.0
     checkpoint_interval: NotNegative = 50.0
 

@@ -84,13 +84,14 @@ def test_collapsed_triangle_is_survived() -> None:
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_inverted_triangle_ends_the_run(ranks: int) -> None:
-    """It is named after the first step, if it is not thrown back in that step."""
-    scene, configuration = sheet()
-    message = r"triangle of atoms \d+ \d+ \d+ is inverted on step 1: .* try a smaller timestep"
+    """It is named if it stays for two time units."""
+    scene, configuration = sheet(**{"numerics.timestep": 0.5})
+    message = r"triangle of atoms \d+ \d+ \d+ is inverted on step 5: .* try a smaller timestep"
     with Simulation(scene, configuration=inverted(configuration), ranks=ranks) as simulation:
         simulation.command("fix freeze all setforce 0 0 0")
+        simulation.run(until=2.0)
         with pytest.raises(SimulationError, match=message):
-            simulation.run(until=0.1)
+            simulation.run(until=3.0)
 
 
 @pytest.mark.parametrize("how", [{"ranks": 2}, {"threads": 2}])

@@ -8,7 +8,10 @@ from lammps_skin.ensemble import Member
 from lammps_skin.scene import Scene
 from lammps_skin.tradeoff.measure import Laboratory
 
-SCENE = ("tiny.toml", "--set", "output.dump_interval=1.0", "--grid", "levels", "--interval", 1)
+SCENE = (
+    "tiny.toml", "--set", "output.dump_interval=1.0", "--grid", "levels",
+    "--set", "cells.cycle_delay=20.0", "--interval", 1,
+)  # fmt: skip
 
 
 def rows(path):
@@ -22,8 +25,8 @@ def test_quick(skin, tmp_path):
     found = {row["variant"]: row for row in rows(tmp_path / "tradeoff" / "tiny.csv")}
     assert list(found) == ["reference", "half", "balanced", "fast"]
     rms = {name: float(row["rms"]) for name, row in found.items()}
-    assert 0 < rms["half"] < rms["reference"] < rms["balanced"] < rms["fast"]
-    assert [float(row["evaluations"]) for row in found.values()] == [100, 200, 14, 9]
+    assert 0 < rms["half"] < rms["reference"] and min(rms["balanced"], rms["fast"]) > 0
+    assert [float(row["evaluations"]) for row in found.values()] == [100, 200, 14, 10]
     assert float(found["reference"]["cpu"]) == 1
     assert all(float(row["cpu"]) > 0 and not row["problem"] for row in found.values())
     (order,) = {row["order_median"] for row in rows(tmp_path / "tradeoff" / "tiny-orders.csv")}
@@ -43,23 +46,23 @@ def test_quick(skin, tmp_path):
 
 
 def test_ensembles(skin, tmp_path):
-    """With an interval of 0.5 there are the reference and balanced alone."""
+    """Runs of the reference are there, and those of the other levels are made."""
     short = [*SCENE[:3], "--set", "end_time=2.0", "--grid", "levels", "--interval", 0.5]
     scene = Scene.load("tiny.toml").replace(**{"output.dump_interval": 1.0, "end_time": 2.0})
     for seed in (1, 2):
         Member(scene.replace(seed=seed), tmp_path / "many").run()
     wanted = ("--data", "many", "--seeds", "1-2", "--windows", "0-2,1-2")
     answer = skin("tradeoff", *short, *wanted, "--present")
-    assert answer.code == 0 and "left out: variant fast: numerics.timestep = 1" in answer.out
+    assert answer.code == 0, answer.err
     assert not (tmp_path / "tradeoff" / "tiny-ensemble.csv").exists()
     answer = skin("tradeoff", *short, *wanted)
     assert answer.code == 0, answer.err
-    assert "2 to do" in answer.out  # the runs of the reference are there
+    assert "4 to do" in answer.out
     found = rows(tmp_path / "tradeoff" / "tiny-ensemble.csv")
-    assert {row["variant"] for row in found} == {"balanced"}
+    assert {row["variant"] for row in found} == {"balanced", "fast"}
     assert {row["window"] for row in found} == {"0-2", "1-2"}
     births = [row for row in found if row["name"] == "births" and row["window"] == "0-2"]
-    assert [row["seeds"] for row in births] == ["2"] and float(births[0]["reference"]) > 0
+    assert [row["seeds"] for row in births] == ["2", "2"] and float(births[0]["reference"]) > 0
     table = {row["variant"]: row for row in rows(tmp_path / "tradeoff" / "tiny.csv")}
     assert np.isnan(float(table["reference"]["bias"])) and float(table["balanced"]["bias"]) > 0
 

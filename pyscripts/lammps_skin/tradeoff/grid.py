@@ -17,7 +17,8 @@ REFERENCE = "reference"
 OWN = "scene"  # the variant with the numerics that the scene gives itself
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,39}")
 
-# variations of single keys, or of a timestep with the stages that it needs
+# variations of single keys of the reference or of another level, or of a timestep with the stages
+# that it needs
 VARIATIONS: dict[str, dict[str, Any]] = {
     "euler-0.02": {"timestep": 0.02},
     "euler-0.005": {"timestep": 0.005},
@@ -131,7 +132,10 @@ def variants(
     ready = {level: {"accuracy": level} for level in LEVELS if level != REFERENCE}
     if own and own not in (*wanted.values(), *ready.values()):
         wanted[OWN] = own
-    variations = VARIATIONS if grid == "full" else {}
+    variations = {
+        name: {"accuracy": REFERENCE, **keys}
+        for name, keys in (VARIATIONS.items() if grid == "full" else ())
+    }
     for name, keys in more:
         if not NAME.fullmatch(name):
             raise SceneError(
@@ -140,7 +144,7 @@ def variants(
             )
         if name in wanted or name in ready or name in variations:
             raise SceneError(f"variant {name}: there is one of this name already")
-        wanted[name] = keys
+        wanted[name] = {"accuracy": REFERENCE, **keys}
     found = [_fitting(scene, name, keys, interval) for name, keys in wanted.items()]
     left_out = []
     for name, keys in {**ready, **variations}.items():
