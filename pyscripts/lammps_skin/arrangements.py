@@ -26,6 +26,9 @@ def place_cells(scene: Scene) -> tuple[Floats, Floats]:
     lx, ly, _ = scene.box_sides
     centre = np.array([lx / 2, ly / 2])
     nobody = np.empty((0, 2))
+    most = int(lx * ly / (2 * math.sqrt(3) * cells.radius**2))
+    if cells.stem + cells.nd > most:
+        raise SceneError(_does_not_fit(scene, f"there is room for {most:,} at most"))
 
     if cells.arrangement == "random":
         both = _random(scene, cells.stem + cells.nd)

@@ -15,6 +15,7 @@ from lammps_skin import lattice
 from lammps_skin.arrangements import place_cells
 from lammps_skin.errors import ConfigurationError, SceneError
 from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.memory import check_memory
 from lammps_skin.packing import dermal_count, pack_dermis
 from lammps_skin.scene import Scene
 from lammps_skin.terms import pair_shapes
@@ -93,6 +94,7 @@ class Configuration:
     def from_scene(cls, scene: Scene) -> Self:
         """Membrane, relaxed dermis and first cells of a scene."""
         check_sizes(scene, scene.box_sides)
+        check_memory(scene)
         sheet = lattice.positions(scene.membrane.lattice, scene.spacing, scene.membrane_height)
         roughness = np.random.default_rng([scene.seed, ROUGHNESS_STREAM])
         stem, nd = place_cells(scene)

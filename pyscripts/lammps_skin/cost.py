@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lammps_skin.packing import dermal_count
+from lammps_skin.memory import BASE, PER_PARTICLE, particle_counts
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
 
@@ -38,8 +38,8 @@ class Rates:
     cell: float = 6.0e-7
     link: float = 1.8e-8
     rebuild: float = 1.0e-6
-    base_memory: float = 100e6
-    particle_memory: float = 2200.0
+    base_memory: float = BASE
+    particle_memory: float = PER_PARTICLE
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,6 @@ class Cost:
     first_step: float
     seconds: float
     memory: float
-
-
-def particle_counts(scene: Scene) -> tuple[int, int, int]:
-    """Membrane particles, dermal particles and cells at the start, without building them."""
-    nx, ny = scene.membrane.lattice
-    dermal = dermal_count(scene) if scene.dermis.present else 0
-    return nx * ny, dermal, scene.cells.stem + scene.cells.nd
 
 
 def estimate(scene: Scene, rates: Rates | None = None) -> Cost:

@@ -30,6 +30,7 @@ VALUES = [
     *(1e12, 1e13, 1e300, float("nan"), float("inf"), float("-inf")),
     *(True, False, "", "ring", "cluster", "random", "core", "halves", "table", "reduced", "direct"),
     *("printed", "weak5", "spline", "../up", "a b", "x\ny", "é", "$x", [], [1], [12, 14], [14, 13]),
+    *("balanced", "fast", "rkl1", "rkl2", "$(1/0)", '"', "&", "x &\nshell touch mischief"),
     *([12.0, 14.0], [16, 16, 16], [-12, 14], [10**9, 10**9], [6.0, 6.06], {}, {"x": 1}),
 ]
 TINY: dict[str, Any] = {
@@ -37,7 +38,7 @@ TINY: dict[str, Any] = {
     "membrane": {"lattice": [12, 14], "height": 10.0},
     "dermis": {"present": False},
     "cells": {"stem": 1, "arrangement": "cluster"},
-    "numerics": {"timestep": 0.01, "table_points": 100},
+    "numerics": {"accuracy": "reference", "timestep": 0.01, "table_points": 100},
     "output": {"thermo_interval": 0.01, "dump_interval": 0.01, "checkpoint_interval": 0.02},
 }  # fmt: skip
 RUN = ("run", "scene.toml", "-o", "out")

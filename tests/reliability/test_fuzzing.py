@@ -32,12 +32,19 @@ def cases(number: int) -> Any:
 
 
 def try_all(number: int, strategy: st.SearchStrategy[Any], check: Callable[[Any], None]) -> None:
-    """Carry out a check with so many cases."""
+    """Carry out a check with so many cases, and no fewer."""
     profile = settings(
         max_examples=number, deadline=None, database=None, derandomize=True,
         suppress_health_check=list(HealthCheck),
     )  # fmt: skip
-    profile(given(strategy)(check))()
+    tried = []
+
+    def counted(case: Any) -> None:
+        tried.append(case)
+        check(case)
+
+    profile(given(strategy)(counted))()
+    assert len(tried) >= number
 
 
 @cases(100)

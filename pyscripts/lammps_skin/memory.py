@@ -1,0 +1,38 @@
+"""Whether a scene fits into the memory of this machine, before any of it is built."""
+
+from __future__ import annotations
+
+import os
+import resource
+
+from lammps_skin.errors import SceneError
+from lammps_skin.packing import dermal_count
+from lammps_skin.scene import Scene
+
+BASE, PER_PARTICLE = 100e6, 2200.0  # bytes of a process, and of every particle with its links
+
+
+def particle_counts(scene: Scene) -> tuple[int, int, int]:
+    """Membrane particles, dermal particles and cells at the start, without building them."""
+    nx, ny = scene.membrane.lattice
+    dermal = dermal_count(scene) if scene.dermis.present else 0
+    return nx * ny, dermal, scene.cells.stem + scene.cells.nd
+
+
+def installed() -> float:
+    """Bytes of memory of this machine, or what this process may have of it if that is less."""
+    physical = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
+    return float(physical if allowed == resource.RLIM_INFINITY else min(physical, allowed))
+
+
+def check_memory(scene: Scene) -> None:
+    """Raise `SceneError` if the first state of a scene needs more memory than there is."""
+    particles = sum(particle_counts(scene))
+    needed, available = BASE + PER_PARTICLE * particles, installed()
+    if needed > available:
+        nx, ny = scene.membrane.lattice
+        raise SceneError(
+            f"membrane.lattice = [{nx}, {ny}]: the scene has {particles:,} particles, which need "
+            f"about {needed / 1e9:.3g} GB of memory; there are {available / 1e9:.3g} GB"
+        )
