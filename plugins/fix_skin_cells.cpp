@@ -199,7 +199,10 @@ void FixSkinCells::within_step(double offset)
 void FixSkinCells::forget_detached_after(double offset)
 {
   refresh_state();
-  const double time = time_of_step(update->ntimestep) + offset;
+
+  // what was noted at the start of the part itself stays, whatever the rounding of its time
+
+  const double time = time_of_step(update->ntimestep) + offset + 1.0e-9 * update->dt;
   for (int i = 0; i < atom->nlocal; i++)
     if (kind_of(i) != NONE && state.detached_time[i] > time)
       state.detached_time[i] = SkinCellState::NEVER;

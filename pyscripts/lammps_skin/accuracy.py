@@ -19,7 +19,7 @@ LEVELS: dict[str, dict[str, Any]] = {
         "stiffness_limit": 100.0,
         "largest_move": 0.6,
         "event_interval": 0.5,
-        "neighbor_skin": 0.35,
+        "neighbor_skin": 0.25,
     },
     "fast": {
         "integrator": "rkl1",

@@ -45,6 +45,13 @@ def cut(path: Path, share: float = 0.7) -> None:
     os.truncate(path, int(path.stat().st_size * share))
 
 
+def cut_events(restart: Path) -> None:
+    """The last line of the log that goes with a checkpoint."""
+    entries = json.loads(restart.with_name("checkpoints.json").read_text())["checkpoints"]
+    length, _ = entries[-1]["files"]["events.csv"]
+    os.truncate(restart.with_name("events.csv"), length - 5)
+
+
 def flip(path: Path, share: float = 0.5, bit: int = 4) -> None:
     """Change one bit."""
     content = bytearray(path.read_bytes())
@@ -76,7 +83,7 @@ def as_of_another_version(path: Path) -> None:
         (lambda path: cut(path, 0), "is damaged"),
         (replace_by_directory, "Is a directory"),
         (as_of_another_version, r"was written by LAMMPS 22 Jul 2019, and this is \d"),
-        (lambda path: cut(path.with_name("events.csv"), 0.95), "events.csv does not go with it"),
+        (cut_events, "events.csv does not go with it"),
         (lambda path: path.with_name("checkpoints.json").unlink() or cut(path), "is damaged"),
     ],
 )  # fmt: skip

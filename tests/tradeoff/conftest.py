@@ -18,7 +18,6 @@ def busy() -> Scene:
             "dermis": {"present": False},
             "membrane": {"lattice": [24, 28], "noise": 0.02},
             "cells": {"stem": 3, "cycle_delay": 0.1, "cycle_rate": 5.0, "first_phase": 0.1},
-            "numerics": {"accuracy": "reference"},
         }
     )
 

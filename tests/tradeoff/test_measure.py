@@ -20,7 +20,10 @@ def euler(scene, *timesteps):
 
 def test_errors_fall_with_the_timestep(laboratory, busy):
     found = euler(busy, 0.02, 0.04)
-    truth = laboratory.reached(laboratory.finest())
+    finest = laboratory.finest()
+    assert finest.scene.numerics.integrator == "euler"
+    assert finest.scene.numerics.timestep == 0.01 / 16
+    truth = laboratory.reached(finest)
     assert distance(truth, truth, busy.box_sides) == (0, 0, 0)
     distances = {
         one.name: distance(laboratory.reached(one), truth, busy.box_sides) for one in found

@@ -283,7 +283,11 @@ def killed_after(last: int, run, built: Path, monkeypatch) -> int:
 
 
 def test_a_killed_command_leaves_its_frames(tmp_path):
-    settings = ("membrane.lattice=[12,14]", "output.dump_interval=0.01")
+    settings = (
+        "membrane.lattice=[12,14]",
+        "output.dump_interval=0.01",
+        "numerics.accuracy=reference",
+    )
     changes = [word for setting in settings for word in ("--set", setting)]
     command = [*SKIN, "run", "two-cells", *changes, "--until", "10000", "-o", str(tmp_path / "x")]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL)

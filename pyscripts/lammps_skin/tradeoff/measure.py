@@ -110,8 +110,9 @@ class Laboratory:
 
     def finest(self) -> Variant:
         """The reference with a much shorter timestep."""
-        timestep = variant(self.scene, REFERENCE, {}).scene.numerics.timestep / FINER
-        return variant(self.scene, FINEST, {"timestep": timestep})
+        reference = {"accuracy": REFERENCE}
+        timestep = variant(self.scene, REFERENCE, reference).scene.numerics.timestep / FINER
+        return variant(self.scene, FINEST, {**reference, "timestep": timestep})
 
     def reached_path(self, one: Variant) -> Path:
         """Where it is kept what `reached` finds."""
