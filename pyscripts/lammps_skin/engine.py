@@ -216,6 +216,13 @@ class Engine:
         ids, types, order = self._identities()
         return Forces(ids, types, self._gather("x", 1, 3)[order], self._gather("f", 1, 3)[order])
 
+    def move(self, ids: Ints, positions: Floats) -> None:
+        """Put particles elsewhere, and compute all forces there."""
+        whose = np.ctypeslib.as_ctypes(np.array(ids, np.intc))
+        where = np.ctypeslib.as_ctypes(np.array(positions, float).ravel())
+        self._guard(self._lammps.scatter_atoms_subset, "x", 1, 3, len(ids), whose, where)
+        self.command("run 0 post no")
+
     def cells(self) -> Cells:
         """State of all living cells."""
         ids, types, order = self._identities()

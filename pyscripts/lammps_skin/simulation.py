@@ -11,7 +11,7 @@ from typing import Any, Self
 from lammps_skin.build import build, load_built
 from lammps_skin.checkpoints import PART, Checkpoints, find_resumption, wait_for_others
 from lammps_skin.configuration import Configuration
-from lammps_skin.engine import FIX_TERMS, Cells, Engine, Forces, Motion
+from lammps_skin.engine import FIX_TERMS, Cells, Engine, Floats, Forces, Ints, Motion
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.interruption import Interruption
 from lammps_skin.ranks import RankedEngine
@@ -151,6 +151,11 @@ class Simulation:
         """Time reached."""
         return float(self._running.time())
 
+    @property
+    def timestep(self) -> float:
+        """Length of a step."""
+        return float(self._running.timestep())
+
     def run(
         self, until: float | None = None, progress: Progress | None = None, every: float = 1.0
     ) -> None:
@@ -229,6 +234,10 @@ class Simulation:
         """Ids, types, positions and forces of all particles, sorted by id."""
         forces: Forces = self._running.forces()
         return forces
+
+    def move(self, ids: Ints, positions: Floats) -> None:
+        """Put particles (n,) at positions (n, 3), and compute all forces there."""
+        self._running.move(ids, positions)
 
     def cells(self) -> Cells:
         """State of the living cells, sorted by id."""

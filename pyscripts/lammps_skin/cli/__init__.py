@@ -18,6 +18,7 @@ from lammps_skin.cli.figure import figure
 from lammps_skin.cli.run import run
 from lammps_skin.cli.scenes import scenes
 from lammps_skin.cli.snapshot import snapshot
+from lammps_skin.cli.stability import stability
 from lammps_skin.cli.stats import stats
 from lammps_skin.cli.tradeoff import tradeoff
 from lammps_skin.errors import SkinError
@@ -30,7 +31,7 @@ app = typer.Typer(
 )
 for command in (
     scenes, check, build, run, convert, export, evaluate, stats, ensemble, snapshot, figure,
-    tradeoff,
+    tradeoff, stability,
 ):  # fmt: skip
     app.command()(command)
 
@@ -49,6 +50,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     except (SkinError, TyperException) as error:
         text = error.format_message() if isinstance(error, TyperException) else str(error)
         print(f"error: {_one_line(text)}", file=sys.stderr)
+        code = 2
+    except OSError as error:
+        place = "" if error.filename is None else f"{error.filename}: "
+        print(f"error: {_one_line(f'{place}{error.strerror or error}')}", file=sys.stderr)
         code = 2
     sys.exit(code or 0)
 

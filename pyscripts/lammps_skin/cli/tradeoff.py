@@ -225,12 +225,12 @@ def _show(report: Report, output: Path, name: str) -> None:
     from lammps_skin.tradeoff.plot import draw
     from lammps_skin.tradeoff.report import bias_table, orders_table, rows_table
 
-    _print(*rows_table(report.rows))
+    print_table(*rows_table(report.rows))
     if report.orders:
-        _print(*orders_table(report.orders))
+        print_table(*orders_table(report.orders))
     for variant, found in report.biases.items():
         console.print(f"{variant}:")
-        _print(*bias_table(found))
+        print_table(*bias_table(found))
     for row in report.rows:
         if row.problem:
             console.print(f"{row.variant}: {row.problem}")
@@ -239,7 +239,7 @@ def _show(report: Report, output: Path, name: str) -> None:
     console.print(str(save(draw(report), output / f"{name}.png")))
 
 
-def _print(names: list[str], cells: list[list[str]]) -> None:
+def print_table(names: list[str], cells: list[list[str]]) -> None:
     table = Table(*names, box=None)
     for line in cells:
         table.add_row(*line)

@@ -102,8 +102,8 @@ class Report:
     def write(self, folder: Path, name: str) -> list[Path]:
         """Write NAME.csv, NAME-orders.csv, NAME-ensemble.csv and NAME.md."""
         contents = {
-            f"{name}.csv": _csv([asdict(row) for row in self.rows]),
-            f"{name}-orders.csv": _csv(
+            f"{name}.csv": csv_text([asdict(row) for row in self.rows]),
+            f"{name}-orders.csv": csv_text(
                 {
                     "variant": variant,
                     "timestep": timestep,
@@ -116,7 +116,7 @@ class Report:
                     order.names, order.timesteps, order.distances, strict=True
                 )
             ),
-            f"{name}-ensemble.csv": _csv(
+            f"{name}-ensemble.csv": csv_text(
                 {"variant": variant, **bias._asdict(), "in_errors": bias.in_errors}
                 | {"window": "{:g}-{:g}".format(*bias.window)}
                 for variant, found in self.biases.items()
@@ -219,7 +219,7 @@ def markdown_table(names: Sequence[str], cells: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def _csv(records: Iterable[Mapping[str, object]]) -> str:
+def csv_text(records: Iterable[Mapping[str, object]]) -> str:
     """Records as CSV, numbers with seven digits; empty without records."""
     text = io.StringIO()
     writer: csv.DictWriter[str] | None = None

@@ -1,0 +1,152 @@
+"""``skin stability``: the longest stable timesteps of a scene."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.progress import BarColumn, Progress, TextColumn
+
+from lammps_skin.cli.ensemble import INTERRUPTED
+from lammps_skin.cli.options import Parameters, Settings, Source, console, scene_from
+from lammps_skin.cli.tradeoff import print_table
+from lammps_skin.errors import SceneError, SimulationError
+
+if TYPE_CHECKING:
+    from lammps_skin.stability.methods import Method
+    from lammps_skin.stability.report import Row
+    from lammps_skin.stability.trials import Point, Trials
+
+LIMIT = 100.0  # of stiffness, where the scene has none
+
+
+def stability(
+    source: Source,
+    start: Annotated[
+        Path | None,
+        typer.Option("--from", metavar="RUN", help="Run directory or restart file to begin from."),
+    ] = None,
+    vary: Annotated[
+        str,
+        typer.Option(
+            metavar="NAMES", help="Of stiffness, stretch, bending, adhesion, division, crowding."
+        ),
+    ] = "stretch,bending,adhesion,division,crowding",
+    factors: Annotated[str, typer.Option(metavar="NUMBERS", help="By which it is scaled.")] = (
+        "0.1,1,10"
+    ),
+    only: Annotated[
+        str | None,
+        typer.Option("--methods", metavar="NAMES", help="Such as euler,rkl1-limit; all of them."),
+    ] = None,
+    interval: Annotated[float, typer.Option(help="Length in time units of a run.")] = 4.0,
+    stages: Annotated[
+        int, typer.Option(min=3, max=99, help="Force evaluations in a step of rkl1 and rkl2.")
+    ] = 7,
+    tolerance: Annotated[
+        float, typer.Option(help="Relative, of a timestep; at least 0.001.")
+    ] = 0.05,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for tables and plot.")
+    ] = Path("stability"),
+    parameters: Parameters = None,
+    settings: Settings = None,
+) -> None:
+    """Map the longest stable timesteps, by bisection, beside estimates."""
+    from lammps_skin.stability.methods import SCALED, methods
+    from lammps_skin.stability.trials import points as points_of
+
+    for name, value, least, most in (
+        ("interval", interval, 0.0, 1000.0), ("tolerance", tolerance, 0.0009, 1.0),
+    ):  # fmt: skip
+        if not least < value <= most:
+            raise SceneError(f"--{name} {value:g}: must be above {least:g} and at most {most:g}")
+    scene = scene_from(source, parameters, settings)
+    limit = scene.numerics.stiffness_limit or LIMIT
+    found = methods(stages, limit)
+    chosen = _chosen("--methods", only, [method.name for method in found])
+    names = _chosen("--vary", vary, list(SCALED))
+    points, left_out = points_of(
+        scene, start, names, _factors(factors), output / "measured", interval, limit
+    )
+    for reason in left_out:
+        console.print(f"left out: {reason}")
+    if not points:
+        raise SceneError(f"--vary {vary}: nothing of it can be varied in this scene")
+    with ExitStack() as stack:
+        for one in points.values():
+            stack.enter_context(closing(one))
+        try:
+            rows = _measure(points, [m for m in found if m.name in chosen], tolerance)
+        except KeyboardInterrupt:
+            console.print("interrupted; the same command goes on with what is missing")
+            raise typer.Exit(INTERRUPTED) from None
+    _show(rows, scene.name, start, interval, output)
+
+
+def _chosen(option: str, text: str | None, allowed: list[str]) -> list[str]:
+    """Names of a list, all of them without one."""
+    names = allowed if text is None else [name.strip() for name in text.split(",")]
+    for name in names:
+        if name not in allowed:
+            raise SceneError(f"{option} {text}: {name!r} must be one of {', '.join(allowed)}")
+    return names
+
+
+def _factors(text: str) -> list[float]:
+    try:
+        numbers = sorted({float(part) for part in text.split(",")})
+    except ValueError:
+        numbers = []
+    if not numbers or not 0 < numbers[0] <= numbers[-1] <= 1e6:
+        raise SceneError(
+            f"--factors {text}: must be numbers above 0 and up to 1e6, such as 0.1,1,10"
+        )
+    return numbers
+
+
+def _measure(trials: dict[Point, Trials], found: list[Method], tolerance: float) -> list[Row]:
+    """Limits that are missing, with a progress bar."""
+    from lammps_skin.stability.report import row
+
+    bar = Progress(
+        TextColumn("{task.fields[news]}", markup=False),
+        BarColumn(bar_width=20),
+        TextColumn("{task.completed:.0f} of {task.total:.0f}", markup=False),
+        console=console,
+    )
+    rows = []
+    with bar:
+        task = bar.add_task("", total=len(trials) * len(found), news="")
+        for (name, factor), one in trials.items():
+            for method in found:
+                bar.update(task, news=f"{name} x {factor:g}, {method.name}")
+                try:
+                    limit = one.limit(method, tolerance)
+                    eigenvalues = one.eigenvalues(method.stiffness_limit)
+                except SimulationError as error:
+                    console.print(f"left out: {name} x {factor:g}: {error}")
+                    bar.update(task, advance=len(found))
+                    break
+                rows.append(row(name, factor, method, limit, eigenvalues))
+                bar.update(task, advance=1)
+            one.close()
+    if not rows:
+        raise SimulationError("nothing could be measured")
+    return rows
+
+
+def _show(rows: list[Row], name: str, start: Path | None, interval: float, output: Path) -> None:
+    """Print the table, write it and the plot."""
+    from lammps_skin.figures.snapshot import save
+    from lammps_skin.stability.plot import draw
+    from lammps_skin.stability.report import rows_table, write
+
+    whence = "its start" if start is None else str(start)
+    note = f"Runs of {interval:g} time units from {whence}; no step is divided."
+    print_table(*rows_table(rows))
+    for path in write(rows, name, [note], output):
+        console.print(str(path))
+    console.print(str(save(draw(rows, name), output / f"{name}.png")))
