@@ -25,7 +25,7 @@ demo: $(INSTALLED)
 	$(BIN)/skin run demo -o runs/demo --force
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --maxprocesses 4
 
 science: $(INSTALLED)
 	$(BIN)/python -m pytest -m slow
