@@ -259,7 +259,8 @@ void FixSkinCells::restart(char *buf)
   double list[NSTORED];
   std::memcpy(list, buf, sizeof(double));
   if (list[0] != RESTART_FORMAT)
-    error->all(FLERR, "Fix skin/cells: the restart file was written by another version of this fix");
+    error->all(FLERR,
+               "Fix skin/cells: the restart file was written by another version of this fix");
   std::memcpy(list, buf, sizeof(list));
   next_id = (tagint) list[1];
   births = (bigint) list[2];

@@ -32,7 +32,7 @@ SAMPLES = 16  # of the energy in a run
 TRANSIENT, SETTLED = 1.0, 0.5  # energy in excess that is allowed, and in the last quarter
 TINY = 1e-300  # a range of energies where nothing has any
 FEWEST_STEPS = 4  # of a run: the longest timestep that is tried
-MOST_STEPS = 2000  # of a run: the shortest
+MOST_EVALUATIONS = 2000  # of forces in a run: the shortest
 FINE = {"integrator": "euler", "stages": 1, "largest_move": 0.05, "stiffness_limit": 0.0}
 FINE_TIMESTEP, FINE_PART = 0.005, 0.25  # at most, and as a part of the estimate
 MEASURING = 1e-3  # timestep with which mobilities are measured
@@ -146,7 +146,8 @@ class Trials:
             guess = method.estimate(self.eigenvalues(method.stiffness_limit)[-1])
             found = bisect(
                 lambda timestep: self.problem(method, timestep),
-                guess, self.interval / MOST_STEPS, self.interval / FEWEST_STEPS, tolerance,
+                guess, method.stages * self.interval / MOST_EVALUATIONS,
+                self.interval / FEWEST_STEPS, tolerance,
             )  # fmt: skip
             _save(path, found.trials)
         return Limit(tuple(Trial(*trial) for trial in _load(path)))
@@ -211,7 +212,7 @@ class Trials:
             simulation.command(f"write_restart {self._restart('begin')}")
         begins = [self._eigenvalue("begin", limit) for limit in self.limits]
         stable = FINE_PART * Method("euler", 1, 0.0).estimate(begins[0])
-        timestep = max(min(FINE_TIMESTEP, stable), self.interval / MOST_STEPS)
+        timestep = max(min(FINE_TIMESTEP, stable), self.interval / MOST_EVALUATIONS)
         with self._simulation({**FINE, "timestep": repr(timestep)}) as simulation:
             begin = simulation.time
             times, energies = [0.0], [sum(simulation.energies().values())]
