@@ -56,6 +56,8 @@ def bisect(
 ) -> Limit:
     """Find the limit by bisection of the logarithm, then try one more on either side.
 
+    If the one below is not stable, the search goes on from there.
+
     Parameters
     ----------
     problem : callable
@@ -74,18 +76,29 @@ def bisect(
             trials[timestep] = Trial(timestep, problem(timestep))
         return trials[timestep].stable
 
-    low = high = min(max(guess, shortest), longest)
-    if stable(low):
+    below = min(max(guess, shortest), longest)
+    while True:
+        low, high = _enclose(stable, below, shortest, longest)
+        while stable(low) and high > (1 + tolerance) * low and not stable(high):
+            middle = math.sqrt(low * high)
+            low, high = (middle, high) if stable(middle) else (low, middle)
+        if high * BESIDE <= longest:
+            stable(high * BESIDE)
+        below = low / BESIDE
+        if not stable(low) or below < shortest or stable(below):
+            break  # else there is an unstable one below: the limit is further down
+    return Limit(tuple(trials[timestep] for timestep in sorted(trials)))
+
+
+def _enclose(
+    stable: Callable[[float], bool], begin: float, shortest: float, longest: float
+) -> tuple[float, float]:
+    """A stable timestep and an unstable one in steps of a factor of 2, where there are such."""
+    low = high = begin
+    if stable(begin):
         while high < longest and stable(high):
             low, high = high, min(2 * high, longest)
     else:
         while low > shortest and not stable(low):
             low, high = max(low / 2, shortest), low
-    if stable(low) and not stable(high):
-        while high > (1 + tolerance) * low:
-            middle = math.sqrt(low * high)
-            low, high = (middle, high) if stable(middle) else (low, middle)
-    for beside in (low / BESIDE, high * BESIDE):
-        if shortest <= beside <= longest:
-            stable(beside)
-    return Limit(tuple(trials[timestep] for timestep in sorted(trials)))
+    return low, high

@@ -84,11 +84,8 @@ def scaled(scene: Scene, what: str, factor: float) -> Scene:
     if what == CROWDING:
         changes = {key: round(value) for key, value in changes.items()}
     if not any(values.values()) or changes == values:
-        raise SceneError(f"{what} x {factor:g}: is the same as x 1 in this scene")
-    try:
-        return scene.replace(**changes)
-    except SceneError as error:
-        raise SceneError(f"{what} x {factor:g}: {error}") from None
+        raise SceneError("is the same as x 1 in this scene")
+    return scene.replace(**changes)
 
 
 def _stiffnesses(content: Mapping[str, Any], prefix: str = "") -> Sequence[str]:

@@ -85,8 +85,8 @@ def rows_table(rows: Iterable[Row]) -> Text:
 # words of an error, and what they come to in a table
 CAUSES = {
     "energy": "energy", "inverted": "triangle inverted", "breaks through": "cell through membrane",
-    "is unstable": "no number", "link of": "link too long", "lost": "particle lost",
-    "distance": "pair too close",
+    "is unstable": "no number", "link of": "link too long", "missing": "link too long",
+    "lost": "particle lost", "istance": "pair too close",
 }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_skin.arrangements import place_cells
 from lammps_skin.build import build
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError, SimulationError, SkinError
@@ -301,8 +302,9 @@ def points(
             continue
         try:
             changed = scaled(scene, name, factor)
+            place_cells(changed)
         except SceneError as error:
-            left_out.append(str(error))
+            left_out.append(f"{name} x {factor:g}: {error}")
             continue
         own = State(changed) if name == CROWDING and factor != 1 else state
         found[name, factor] = Trials(changed, own, folder, interval, stiffness_limit)
