@@ -204,6 +204,17 @@ def test_what_cannot_be_resumed(skin, tmp_path):
     assert "directory x: holds results of a run; --resume goes on with it" in answer.err
 
 
+def test_inputs_of_results_are_not_replaced(skin, tmp_path):
+    skin("run", "bare-membrane", *SMALLEST, "--until", "0.1", "-o", "x")
+    before = Path("x/scene.toml").read_text()
+    answer = skin("build", "two-cells", "-o", "x")
+    assert answer.code == 2
+    assert answer.err == (
+        "error: directory x: holds results of a run; its inputs belong to them; give another\n"
+    )
+    assert Path("x/scene.toml").read_text() == before
+
+
 def test_a_built_directory_runs_as_it_is(skin, tmp_path):
     short = (*SMALLEST, "--set", "output.dump_interval=0.1")
     skin("build", "one-stem", *short, "-o", "built")

@@ -8,7 +8,14 @@ from typing import Annotated
 import typer
 
 from lammps_skin.build import build as build_scene
-from lammps_skin.cli.options import Parameters, Settings, Source, console, scene_from
+from lammps_skin.cli.options import (
+    Parameters,
+    Settings,
+    Source,
+    console,
+    keep_results,
+    scene_from,
+)
 from lammps_skin.configuration import Configuration
 from lammps_skin.kinds import Kind
 
@@ -23,6 +30,7 @@ def build(
 ) -> None:
     """Write a scene as LAMMPS input: scripts, tables, data file."""
     described = scene_from(scene, parameters, settings)
+    keep_results(output, "its inputs belong to them; give another")
     with console.status("building"):
         configuration = build_scene(described, output)
     console.print(f"{described.name}: {particles(configuration)}; box {sides(configuration)}")

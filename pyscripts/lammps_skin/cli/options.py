@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -27,6 +28,14 @@ Settings = Annotated[
         "--set", metavar="KEY=VALUE", help="Change a key of the scene, such as cells.seed=3."
     ),
 ]
+
+RESULTS = ("events.csv", "skin.h5", "skin.dump")
+
+
+def keep_results(directory: Path, remedy: str) -> None:
+    """Raise `SceneError` if a directory holds results of a run."""
+    if any((directory / name).exists() for name in RESULTS):
+        raise SceneError(f"directory {directory}: holds results of a run; {remedy}")
 
 
 def scene_from(source: str, parameters: str | None, settings: Iterable[str] | None) -> Scene:

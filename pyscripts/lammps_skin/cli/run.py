@@ -12,7 +12,7 @@ import typer
 from lammps_skin.build import load_built
 from lammps_skin.checkpoints import MANIFEST, RESTARTS
 from lammps_skin.cli.journey import Journey
-from lammps_skin.cli.options import Parameters, Settings, console, scene_from
+from lammps_skin.cli.options import RESULTS, Parameters, Settings, console, keep_results, scene_from
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.scene import Scene
@@ -24,7 +24,6 @@ FILES = {
     "skin.h5": "trajectory",
     "log.lammps": "energies by term and numbers of cells against time",
 }
-RESULTS = ("events.csv", "skin.h5", "skin.dump")
 INTERRUPTED = 130
 
 
@@ -66,11 +65,8 @@ def _begun(
     scene: Scene | None, directory: Path, ranks: int, threads: int, until: float | None, force: bool
 ) -> Simulation:
     """The simulation of a scene, from its initial state."""
-    if any((directory / name).exists() for name in RESULTS) and not force:
-        raise SceneError(
-            f"directory {directory}: holds results of a run; --resume goes on with it, --force "
-            "replaces them"
-        )
+    if not force:
+        keep_results(directory, "--resume goes on with it, --force replaces them")
     if until is not None:
         scene = _shortened(scene, directory, until)
     with console.status("building"):
