@@ -1,6 +1,7 @@
 // Overdamped motion dr/dt = m F by forward Euler or a Runge-Kutta-Legendre method; the mobility m
 // is 1, or less where the membrane is too stiff for the timestep. A step in which some particle
-// would move too far is divided into shorter ones.
+// would move too far is divided into shorter ones. Forces and mobilities stand in
+// fix_skin_motion_forces.cpp.
 
 #include "fix_skin_motion.h"
 
@@ -9,18 +10,16 @@
 #include "fix_skin_cells.h"
 
 #include "atom.h"
-#include "bond.h"
 #include "comm.h"
-#include "dihedral.h"
+#include "domain.h"
 #include "error.h"
 #include "force.h"
 #include "modify.h"
-#include "pair.h"
 #include "update.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <string>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -31,6 +30,10 @@ static constexpr double SHORTEST = 1.0e-6;
 
 static constexpr int MOST_STAGES = 99;
 
+// positions cannot be rounded to less
+
+static constexpr double FINEST = 1.0e-12;
+
 // time for which there may be inverted triangles
 
 static constexpr double LONGEST_INVERTED = 2.0;
@@ -38,9 +41,9 @@ static constexpr double LONGEST_INVERTED = 2.0;
 /* ---------------------------------------------------------------------- */
 
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), cells(nullptr),
-    bend(nullptr), steps(0), divided(0), parts(0), evaluations(0), limited(0), slowest(1.0),
-    offender(-1), inverted_time(0.0)
+    Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), rounding(0.0),
+    round_every(1), cells(nullptr), bend(nullptr), steps(0), divided(0), parts(0), evaluations(0),
+    limited(0), slowest(1.0), offender(-1), inverted_time(0.0)
 {
   parse(narg, arg);
 
@@ -62,23 +65,39 @@ void FixSkinMotion::parse(int narg, char **arg)
     error->all(FLERR, "Fix skin/motion method = {}: must be euler, rkl1 or rkl2", name);
 
   int nstages = (name == "euler") ? 1 : 7;
-  for (int n = 4; n < narg; n += 2) {
+  auto positive = [&](const std::string &key, const char *text) {
+    const double value = utils::numeric(FLERR, text, false, lmp);
+    if (!(value > 0.0))
+      error->all(FLERR, "Fix skin/motion {} = {}: must be a number > 0", key, text);
+    return value;
+  };
+
+  for (int n = 4; n < narg;) {
     const std::string key = arg[n];
-    if (key != "stages" && key != "stiffness" && key != "move")
+    if (key != "stages" && key != "stiffness" && key != "move" && key != "round")
       error->all(FLERR, "Unknown fix skin/motion keyword: {}", key);
-    if (n + 1 == narg) error->all(FLERR, "Fix skin/motion keyword {} needs a value", key);
+    const int nvalues = (key == "round") ? 2 : 1;
+    if (n + nvalues >= narg)
+      error->all(FLERR, "Fix skin/motion keyword {} needs {} value(s)", key, nvalues);
+    char **values = &arg[n + 1];
+    n += 1 + nvalues;
     if (key == "stages") {
-      nstages = utils::inumeric(FLERR, arg[n + 1], false, lmp);
+      nstages = utils::inumeric(FLERR, values[0], false, lmp);
       const int least = (name == "euler") ? 1 : (name == "rkl1") ? 2 : 3;
       const int most = (name == "euler") ? 1 : MOST_STAGES;
       if (nstages < least || nstages > most)
-        error->all(FLERR, "Fix skin/motion {} stages = {}: must be {} to {}", name, arg[n + 1],
+        error->all(FLERR, "Fix skin/motion {} stages = {}: must be {} to {}", name, values[0],
                    least, most);
+    } else if (key == "round") {
+      rounding = positive(key, values[0]);
+      if (rounding < FINEST)
+        error->all(FLERR, "Fix skin/motion round = {}: must be at least {}", values[0], FINEST);
+      round_every = utils::bnumeric(FLERR, values[1], false, lmp);
+      if (round_every < 1)
+        error->all(FLERR, "Fix skin/motion round {} {}: the number of steps must be > 0",
+                   values[0], values[1]);
     } else {
-      const double value = utils::numeric(FLERR, arg[n + 1], false, lmp);
-      if (!(value > 0.0))
-        error->all(FLERR, "Fix skin/motion {} = {}: must be a number > 0", key, arg[n + 1]);
-      (key == "move" ? largest_move : stiffness_limit) = value;
+      (key == "move" ? largest_move : stiffness_limit) = positive(key, values[0]);
     }
   }
   method = name == "rkl2" ? SkinStages::second_order(nstages) : SkinStages::first_order(nstages);
@@ -135,10 +154,29 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
   }
 
   if (cells) cells->within_step(0.0);
+  if (rounding > 0.0 && update->ntimestep % round_every == 0) round_positions();
   steps++;
   parts += nparts;
   evaluations++;
   if (nparts > 1) divided++;
+}
+
+/* ----------------------------------------------------------------------
+   positions on a grid that divides the box, the same for all images of a particle: what the order
+   of sums did to their last digits is gone
+------------------------------------------------------------------------- */
+
+void FixSkinMotion::round_positions()
+{
+  for (int d = 0; d < 3; d++) {
+    const double lo = domain->boxlo[d];
+    const double grid = domain->prd[d] / std::ceil(domain->prd[d] / rounding);
+    for (int i = 0; i < atom->nlocal; i++) {
+      if (!(atom->mask[i] & groupbit)) continue;
+      double &x = atom->x[i][d];
+      x = lo + grid * std::nearbyint((x - lo) / grid);
+    }
+  }
 }
 
 /* ----------------------------------------------------------------------
@@ -147,7 +185,8 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
 
 void FixSkinMotion::final_integrate()
 {
-  const int t = bend ? bend->find_inverted() : -1;
+  if (!bend) return;
+  const int t = bend->find_inverted();
   inverted_time = t < 0 ? 0.0 : inverted_time + update->dt;
   if (inverted_time > LONGEST_INVERTED) bend->inverted(t, inverted_time);
 }
@@ -265,118 +304,6 @@ void FixSkinMotion::restore_start(double offset)
     before = start;
   }
   if (cells) cells->forget_detached_after(offset);
-}
-
-/* ----------------------------------------------------------------------
-   mobility of my particles: lower where the membrane is stiffer than allowed
-------------------------------------------------------------------------- */
-
-void FixSkinMotion::find_mobility()
-{
-  const int nlocal = atom->nlocal;
-  mobility.assign(nlocal, 1.0);
-  if (std::isinf(stiffness_limit)) return;
-
-  stiffness.assign(nlocal + atom->nghost, 0.0);
-  if (auto *stretch = dynamic_cast<BondSkinStretch *>(force->bond))
-    stretch->add_stiffness(stiffness.data());
-  if (bend) bend->add_stiffness(stiffness.data());
-  comm->reverse_comm(this);
-
-  for (int i = 0; i < nlocal; i++) {
-    if (!(stiffness[i] > stiffness_limit)) continue;
-    mobility[i] = stiffness_limit / stiffness[i];
-    slowest = std::min(slowest, mobility[i]);
-    limited++;
-  }
-}
-
-/* ---------------------------------------------------------------------- */
-
-int FixSkinMotion::pack_reverse_comm(int n, int first, double *buf)
-{
-  std::copy_n(stiffness.begin() + first, n, buf);
-  return n;
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FixSkinMotion::unpack_reverse_comm(int n, int *list, double *buf)
-{
-  for (int i = 0; i < n; i++) stiffness[list[i]] += buf[i];
-}
-
-/* ----------------------------------------------------------------------
-   all forces at the current positions, in the order of a time step, at a time counted from the
-   end of this step
-------------------------------------------------------------------------- */
-
-void FixSkinMotion::evaluate_forces(double offset)
-{
-  evaluations++;
-  if (cells) cells->within_step(offset);
-  comm->forward_comm();
-
-  const int n = atom->nlocal + atom->nghost;
-  if (n) std::fill(atom->f[0], atom->f[0] + 3 * (size_t) n, 0.0);
-
-  if (modify->n_pre_force) modify->pre_force(0);
-  if (force->pair) force->pair->compute(0, 0);
-  if (force->bond) force->bond->compute(0, 0);
-  if (force->dihedral) force->dihedral->compute(0, 0);
-  if (modify->n_pre_reverse) modify->pre_reverse(0, 0);
-  comm->reverse_comm();
-  if (modify->n_post_force_any) modify->post_force(0);
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FixSkinMotion::unstable(const Move &move, double part)
-{
-  double what[3] = {0.0, 0.0, 0.0};
-  if (move.rank == comm->me && offender >= 0) {
-    const double *f = atom->f[offender];
-    what[0] = (double) atom->tag[offender];
-    what[1] = atom->type[offender];
-    what[2] = std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-  }
-  MPI_Bcast(what, 3, MPI_DOUBLE, move.rank, world);
-  const std::string term = largest_term(move.rank, offender);
-  error->all(FLERR,
-             "Fix skin/motion: the run is unstable on step {}: the force on atom {} of type {} is "
-             "{}, most of it from {}, which would need a timestep of {}; try a smaller timestep "
-             "than {}",
-             update->ntimestep, (tagint) what[0], (int) what[1], what[2], term, part, update->dt);
-}
-
-/* ----------------------------------------------------------------------
-   which kind of forces is the largest on the particle i of a rank
-------------------------------------------------------------------------- */
-
-std::string FixSkinMotion::largest_term(int rank, int i)
-{
-  static const char *const NAMES[] = {"pair forces", "stretch", "bend", "cells"};
-  const size_t n = 3 * (size_t) (atom->nlocal + atom->nghost);
-  double largest = -1.0;
-  int which = 0;
-
-  for (int term = 0; term < 4; term++) {
-    if (n) std::fill(atom->f[0], atom->f[0] + n, 0.0);
-    if (term == 0 && force->pair) force->pair->compute(0, 0);
-    if (term == 1 && force->bond) force->bond->compute(0, 0);
-    if (term == 2 && force->dihedral) force->dihedral->compute(0, 0);
-    if (term == 3 && cells) cells->pre_reverse(0, 0);
-    comm->reverse_comm();
-    if (rank != comm->me || i < 0) continue;
-    const double *f = atom->f[i];
-    const double size = f[0] * f[0] + f[1] * f[1] + f[2] * f[2];
-    if (!(size <= largest)) {
-      largest = std::isnan(size) ? INFINITY : size;
-      which = term;
-    }
-  }
-  MPI_Bcast(&which, 1, MPI_INT, rank, world);
-  return NAMES[which];
 }
 
 /* ----------------------------------------------------------------------

@@ -25,6 +25,8 @@ class FixSkinMotion : public Fix {
   SkinStages method;
   double largest_move;           // of any particle in one part of a step, infinite without limit
   double stiffness_limit;        // of a membrane particle that moves at full speed, or infinite
+  double rounding;               // of positions, on every multiple of so many steps, or 0
+  bigint round_every;
   class FixSkinCells *cells;     // told the times of stages, if there is one
   class DihedralSkinBend *bend;  // asked for inverted triangles after a step, if there is one
 
@@ -54,6 +56,7 @@ class FixSkinMotion : public Fix {
   void keep_start();
   void restore_start(double);
   void find_mobility();
+  void round_positions();
   void evaluate_forces(double);
   void unstable(const Move &, double);
   std::string largest_term(int, int);

@@ -104,6 +104,8 @@ def _variables(
     yield index("stages", scene.numerics.evaluations)
     yield index("largest_move", scene.numerics.largest_move)
     yield index("stiffness_limit", scene.numerics.stiffness_limit)
+    yield index("rounding", scene.rounding)
+    yield index("rounding_interval", scene.numerics.rounding_interval)
     yield index("running", 1)
     yield "\n# parts"
     yield index("has_dermis", int(scene.dermis.present))

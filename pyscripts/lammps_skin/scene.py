@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError,
 from lammps_skin import accuracy, parameters
 from lammps_skin.accuracy import DEFAULT_LEVEL, LEVELS, Level
 from lammps_skin.errors import SceneError
+from lammps_skin.keys import as_tuples, first_line, merged
 from lammps_skin.kinds import Kind
 
 LARGEST = 1e12  # of any number, so that products of several stay finite
@@ -110,6 +111,10 @@ class Numerics(Part):
         0.2, description="time between steps that handle births and removals; 0: every step"
     )
     neighbor_skin: Positive = 0.3
+    rounding: Annotated[float, Field(ge=0, le=1e-3)] | None = Field(
+        None, description="of positions; 0: none; 1e-5 if not given and there are stem cells"
+    )
+    rounding_interval: Positive = Field(2.0, description="time between roundings")
 
     @property
     def evaluations(self) -> int:
@@ -156,15 +161,15 @@ class Scene(Part):
     @classmethod
     def from_dict(cls, given: Mapping[str, Any]) -> Self:
         """Scene from nested keys; raises `SceneError` naming the key, the value and the remedy."""
-        raw = _merge({}, given)
+        raw = merged({}, given)
         name = raw.get("parameters", parameters.DEFAULT)
         if not isinstance(name, str) or name not in parameters.SETS:
             raise SceneError(f"parameters = {name!r}: must be one of {', '.join(parameters.SETS)}")
-        defaults = _merge(parameters.SETS[name], {"numerics": _of_level(raw)})
+        defaults = merged(parameters.SETS[name], {"numerics": _of_level(raw)})
         try:
-            scene = cls.model_validate(_as_tuples(_merge(defaults, raw)))
+            scene = cls.model_validate(as_tuples(merged(defaults, raw)))
         except ValidationError as error:
-            raise SceneError(_first_line(cls, error)) from None
+            raise SceneError(first_line(cls, error)) from None
         scene._given = {**raw, "parameters": name}
         return scene
 
@@ -194,7 +199,7 @@ class Scene(Part):
 
     def replace(self, **changes: Any) -> Self:
         """A scene with some keys changed: ``scene.replace(**{"cells.seed": 3})``."""
-        given = _merge({}, self._given)
+        given = merged({}, self._given)
         for key, value in changes.items():
             *parts, last = key.split(".")
             place = given
@@ -207,7 +212,7 @@ class Scene(Part):
 
     def given(self) -> dict[str, Any]:
         """What was given, as nested keys: enough to make this scene again."""
-        return _merge({}, self._given)
+        return merged({}, self._given)
 
     # ---- derived quantities
 
@@ -232,6 +237,12 @@ class Scene(Part):
     def contact(self) -> float:
         """Contact length of cells and membrane, R_c + R_m."""
         return self.cells.radius + self.membrane.radius
+
+    @property
+    def rounding(self) -> float:
+        """To what positions are rounded, so that ranks and threads do not change the lineage."""
+        given = self.numerics.rounding
+        return given if given is not None else 1e-5 if self.cells.stem else 0.0
 
     @property
     def has_cells(self) -> bool:
@@ -323,6 +334,8 @@ class Scene(Part):
                 f"numerics.event_interval = {numerics.event_interval:g}: must be shorter than a "
                 f"cell cycle, {self.cells.cycle_delay + 1 / self.cells.cycle_rate:g}"
             )
+        if 0 < self.rounding < 1e-12:
+            yield f"numerics.rounding = {self.rounding:g}: must be 0 or at least 1e-12"
         intervals = {
             "output.thermo_interval": (output.thermo_interval, 2**31 - 1),
             "output.dump_interval": (output.dump_interval, 2**31 - 1),
@@ -334,21 +347,6 @@ class Scene(Part):
                 yield f"{key} = {value:g}: must be at least the timestep, {numerics.timestep:g}"
             if value / numerics.timestep > most:
                 yield f"{key} = {value:g}: more than {most:.3g} steps of {numerics.timestep:g}"
-
-
-def _merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
-    """Nested dictionaries merged, `over` winning; both are left as they are."""
-    merged: dict[str, Any] = {
-        key: _merge({}, value) if isinstance(value, Mapping) else value
-        for key, value in base.items()
-    }
-    for key, value in over.items():
-        if isinstance(value, Mapping):
-            below = merged.get(key)
-            merged[key] = _merge(below if isinstance(below, Mapping) else {}, value)
-        else:
-            merged[key] = value
-    return merged
 
 
 def _of_level(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -376,52 +374,3 @@ def _of_level(given: Mapping[str, Any]) -> dict[str, Any]:
     )
     end = time(given, "end_time", Scene.model_fields["end_time"].default)
     return accuracy.numerics(level, part("numerics"), [end, *intervals], cycle)
-
-
-def _as_tuples(given: Mapping[str, Any]) -> dict[str, Any]:
-    """TOML has arrays where the scene has pairs."""
-    return {
-        key: tuple(value)
-        if isinstance(value, list)
-        else _as_tuples(value)
-        if isinstance(value, Mapping)
-        else value
-        for key, value in given.items()
-    }
-
-
-def _first_line(model: type[BaseModel], error: ValidationError) -> str:
-    """First problem of a validation as `key = value: what is allowed`."""
-    problem = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in problem["loc"] if isinstance(part, str))
-    if problem["type"] == "value_error":
-        return str(problem["msg"]).removeprefix("Value error, ")
-    if problem["type"] == "extra_forbidden":
-        shown = _shown(problem["input"])
-        return f"{key} = {shown}: unknown key; allowed: {_keys_beside(model, key)}"
-    what = _EXPECTED.get(problem["type"]) or str(problem["msg"]).replace("Input should", "must")
-    return f"{key} = {_shown(problem['input'])}: {what}"
-
-
-# in the words of TOML instead of Python's
-_EXPECTED = {
-    "missing": "must be an array of two values",
-    "too_long": "must be an array of two values",
-    "tuple_type": "must be an array of two values",
-    "model_type": "must be a table of keys",
-    "string_pattern_mismatch": "must be up to 64 letters, digits, '.', '_', '-', not '.' at first",
-}
-
-
-def _shown(value: Any) -> str:
-    text = repr(list(value) if isinstance(value, tuple) else value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _keys_beside(model: type[BaseModel], key: str) -> str:
-    """The known keys of the part in which an unknown key stands."""
-    for part in key.split(".")[:-1]:
-        annotation = model.model_fields[part].annotation
-        assert isinstance(annotation, type) and issubclass(annotation, BaseModel)
-        model = annotation
-    return ", ".join(model.model_fields)

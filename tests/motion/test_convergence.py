@@ -62,7 +62,7 @@ def pair_length(integrator: str, timestep: float, directory: Path) -> float:
         "cells.membrane_exclusion_stiffness": 0.0, "cells.generations": 0,
         "membrane.stretch_stiffness": 0.0, "membrane.bending_stiffness": 0.0,
         "numerics.integrator": integrator, "numerics.stages": 5,
-        "numerics.timestep": timestep, "numerics.largest_move": 0.0,
+        "numerics.timestep": timestep, "numerics.largest_move": 0.0, "numerics.rounding": 0.0,
     }  # fmt: skip
     scene = membrane_scene((12, 14), **free, **{"cells.division_stiffness": 0.5})
     configuration = place(

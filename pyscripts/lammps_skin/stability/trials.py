@@ -246,7 +246,7 @@ class Trials:
     ) -> Iterator[Simulation]:
         """From the state, kicked, or from one of our own restart files."""
         never = repr(NEVER * float(variables["timestep"]))
-        given = {**variables, "event_interval": never, "thermo_interval": never}
+        given = {**variables, "event_interval": never, "thermo_interval": never, "rounding": 0}
         try:
             self._build()
             (self._directory / "events.csv").unlink(missing_ok=True)

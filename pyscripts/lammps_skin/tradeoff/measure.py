@@ -95,6 +95,7 @@ class Laboratory:
         variables = {"restart": "state.restart"}
         if not events:
             variables["event_interval"] = repr(NEVER * scene.numerics.timestep)
+            variables["rounding"] = "0"
         shutil.rmtree(directory, ignore_errors=True)
         try:
             directory.mkdir()
