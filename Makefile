@@ -52,7 +52,8 @@ sanitize: $(INSTALLED)
 	  --target $(SANITIZED) --config-settings=cmake.define.SKIN_SANITIZE=address,undefined .
 	LD_PRELOAD="$(PRELOADED)" PYTHONPATH=$(SANITIZED) \
 	  ASAN_OPTIONS=detect_leaks=0:quarantine_size_mb=1 UBSAN_OPTIONS=print_stacktrace=1 \
-	  $(BIN)/python -m pytest tests/physics tests/cells tests/motion tests/reliability
+	  $(BIN)/python -m pytest -n auto --maxprocesses 4 \
+	  tests/physics tests/cells tests/motion tests/reliability
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache

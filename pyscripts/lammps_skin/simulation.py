@@ -11,6 +11,7 @@ from typing import Any, Self
 from lammps_skin.build import build, load_built
 from lammps_skin.checkpoints import PART, Checkpoints, find_resumption, wait_for_others
 from lammps_skin.configuration import Configuration
+from lammps_skin.data_file import check_places
 from lammps_skin.engine import FIX_TERMS, Cells, Engine, Floats, Forces, Ints, Motion
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.interruption import Interruption
@@ -78,6 +79,7 @@ class Simulation:
         check_run(self.directory, ranks, threads)
         if scene is None:
             self.scene = load_built(self.directory)
+            check_places(self.directory / "skin.data")
         else:
             self.scene = scene
             build(scene, self.directory, configuration)

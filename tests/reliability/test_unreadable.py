@@ -137,3 +137,25 @@ def in_run(outcome: Outcome) -> dict[str, int]:
         for name, size in outcome.files.items()
         if name.startswith("a/b/run/")
     }
+
+
+@pytest.mark.parametrize("place", ["1e300", "-1e12", "inf", "nan"])
+def test_a_particle_too_far_away_for_lammps(place: str, ended: str, sandbox: Sandbox) -> None:
+    """LAMMPS would go round and round until it is in the box."""
+    outcome = sandbox(try_far, ended, place)
+    assert outcome.code == 2
+    assert f"skin.data: y = {float(place):g} of atom 3 must be within 1e+06 times" in outcome.err
+
+
+def try_far(ended: str, place: str) -> Outcome:
+    def act(here: Path) -> int:
+        shutil.copytree(ended, here / "run")
+        data = here / "run" / "skin.data"
+        lines = data.read_text().splitlines()
+        row = lines.index("Atoms # molecular") + 4
+        words = lines[row].split()
+        lines[row] = " ".join([*words[:4], place, *words[5:]])
+        data.write_text("\n".join(lines) + "\n")
+        return skin("run", "run", "--force")
+
+    return in_empty_directory(act)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_skin.data_file import section
 from lammps_skin.errors import SkinError
 from lammps_skin.trajectory.frame import Ints
 
@@ -16,8 +17,8 @@ def connectivity(directory: Path) -> tuple[Ints, Ints]:
     Each triangle is there once, lowest id first, counterclockwise seen from the side of the
     cells.
     """
-    links = _section(directory / "skin.data", "Bonds").reshape(-1, 2)
-    hinges = _section(directory / "skin.data", "Dihedrals").reshape(-1, 4)
+    links = _members(directory / "skin.data", "Bonds").reshape(-1, 2)
+    hinges = _members(directory / "skin.data", "Dihedrals").reshape(-1, 4)
     both = np.concatenate([hinges[:, [0, 1, 2]], hinges[:, [3, 2, 1]]])
     if not len(both):
         return links, both
@@ -25,19 +26,10 @@ def connectivity(directory: Path) -> tuple[Ints, Ints]:
     return links, np.unique(np.take_along_axis(both, turned, axis=1), axis=0)
 
 
-def _section(path: Path, title: str) -> Ints:
-    """Ids in a section of a data file, without the number and the type of each line."""
-    rows: list[list[int]] = []
+def _members(path: Path, title: str) -> Ints:
+    """Ids in a section, without the number and the type of each line."""
     try:
-        with path.open(encoding="utf-8") as file:
-            for line in file:
-                if line.strip() == title:
-                    break
-            next(file, None)
-            for line in file:
-                if not line.strip():
-                    break
-                rows.append([int(word) for word in line.split()[2:]])
+        rows = [[int(word) for word in words[2:]] for words in section(path, title)]
     except (OSError, ValueError):
         raise SkinError(f"data file {path}: cannot be read; build the scene again") from None
     return np.array(rows, np.int64)

@@ -1,0 +1,55 @@
+"""LAMMPS data files of built scenes: their sections, and whether LAMMPS can read their places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from lammps_skin.errors import SceneError
+
+# LAMMPS brings a particle back into the box one side at a time, and hangs on those further away
+FURTHEST = 1e6
+
+
+def section(path: Path, title: str) -> Iterator[list[str]]:
+    """Words of the lines of a section; none if there is no such section."""
+    with path.open(encoding="utf-8") as file:
+        for line in file:
+            if line.split("#")[0].strip() == title:
+                break
+        next(file, None)
+        for line in file:
+            if not line.strip():
+                break
+            yield line.split()
+
+
+def check_places(path: Path) -> None:
+    """Raise `SceneError` if a particle is too many sides of the box away from it.
+
+    Whatever else may be wrong in the file is left to LAMMPS.
+    """
+    try:
+        sides = _sides(path)
+        for words in section(path, "Atoms"):
+            for axis, side, place in zip("xyz", sides, map(float, words[3:6]), strict=False):
+                if not abs(place) <= FURTHEST * side:
+                    raise SceneError(
+                        f"data file {path}: {axis} = {place:g} of atom {words[0]} must be within "
+                        f"{FURTHEST:g} times the box of {side:g}; build the scene again"
+                    )
+    except (OSError, ValueError):
+        return
+
+
+def _sides(path: Path) -> list[float]:
+    """Sides of the box along x, y and z, as far as the header states them."""
+    sides: list[float] = []
+    with path.open(encoding="utf-8") as file:
+        for line in file:
+            words = line.split()
+            if words[2:4] == [f"{'xyz'[len(sides)]}lo", f"{'xyz'[len(sides)]}hi"]:
+                sides.append(float(words[1]) - float(words[0]))
+            if len(sides) == 3 or words[:1] == ["Atoms"]:
+                break
+    return sides
