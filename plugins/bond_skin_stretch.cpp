@@ -3,6 +3,7 @@
 
 #include "bond_skin_stretch.h"
 
+#include "skin_quad.h"
 #include "skin_vector.h"
 
 #include "atom.h"
@@ -21,7 +22,7 @@ using namespace LAMMPS_NS;
 /* ---------------------------------------------------------------------- */
 
 BondSkinStretch::BondSkinStretch(LAMMPS *lmp) :
-    Bond(lmp), coeffs(nullptr), built_call(-1), built_step(-1)
+    Bond(lmp), coeffs(nullptr), links(lmp), built_call(-1), built_step(-1)
 {
   writedata = 1;
 }
@@ -37,48 +38,100 @@ BondSkinStretch::~BondSkinStretch()
 }
 
 /* ----------------------------------------------------------------------
-   -dE/dr / r and forces of all links of one type; returns how many are at their singular length or
-   beyond, or of no length
+   -dE/dr / r of links with these squared lengths; adds to beyond what are at their singular length
+   or beyond, or of no length
 ------------------------------------------------------------------------- */
 
-SKIN_VECTOR static int slopes_of(int n, const double *__restrict x, const int *__restrict first,
-                                 const int *__restrict second, const double *coeff,
-                                 double *__restrict fbond, double *__restrict fx,
-                                 double *__restrict fy, double *__restrict fz)
+template <class T> SKIN_INLINE T slope_of(const T &rsq, const double *coeff, T &beyond)
 {
   const double d2 = coeff[3], per_contact = 1.0 / coeff[1], per_d2 = 1.0 / d2;
   const double stiffness = coeff[0] * per_contact;
   const double spring = coeff[4] * coeff[2] * per_d2 * per_d2;
-  int beyond = 0;
+  const T zero = {}, one = zero + 1.0, rest = zero + d2;
+  const T r = root(rsq), s = r * per_contact;
 
-  for (int k = 0; k < n; k++) {
-    const int i = 3 * first[k], j = 3 * second[k];
-    const double dx = x[i] - x[j], dy = x[i + 1] - x[j + 1], dz = x[i + 2] - x[j + 2];
-    const double r = sqrt(dx * dx + dy * dy + dz * dz);
-    const double s = r * per_contact;
+  // argument of phi: shrinks towards both ends, 1 in between, where phi has no slope
 
-    // argument of phi: shrinks towards both ends, 1 in between, where phi has no slope
+  const T above = larger<T>(s - 1.0, zero);
+  const T between = smaller<T>(larger<T>(s, rest), one) - d2;
+  const T argument = (smaller<T>(s, rest) - above) * per_d2;
 
-    const double above = std::max(s - 1.0, 0.0);
-    const double between = std::min(std::max(s, d2), 1.0) - d2;
-    const double argument = (std::min(s, d2) - above) * per_d2;
+  // one division for both 1 / argument and 1 / r
 
-    // one division for both 1 / argument and 1 / r
+  const T reciprocal = 1.0 / (argument * r);
+  const T inverse = reciprocal * r;
+  const T inv3 = inverse * inverse * inverse, inv6 = inv3 * inv3;
+  const T wall = (inv6 - inv6 * inv6) * inverse * per_d2;
 
-    const double reciprocal = 1.0 / (argument * r);
-    const double inverse = reciprocal * r;
-    const double inv3 = inverse * inverse * inverse, inv6 = inv3 * inv3;
-    const double wall = (inv6 - inv6 * inv6) * inverse * per_d2;
+  beyond += argument > zero ? zero : one;
+  return -stiffness * (spring * between + (above > zero ? -wall : wall)) *
+      (reciprocal * argument);
+}
 
-    beyond += !(argument > 0.0);
-    const double slope = -stiffness * (spring * between + (above > 0.0 ? -wall : wall)) *
-        (reciprocal * argument);
-    fbond[k] = slope;
-    fx[k] = slope * dx;
-    fy[k] = slope * dy;
-    fz[k] = slope * dz;
-  }
-  return beyond;
+/* ----------------------------------------------------------------------
+   forces on the second end by the first, which is this much away
+------------------------------------------------------------------------- */
+
+template <class T>
+SKIN_INLINE SkinPoint<T> force_of(const SkinPoint<T> &d, const double *coeff, T &beyond)
+{
+  return slope_of<T>(dot(d, d), coeff, beyond) * d;
+}
+
+/* ----------------------------------------------------------------------
+   forces of the three links of one triangle, or of four
+------------------------------------------------------------------------- */
+
+template <class T>
+SKIN_INLINE void pull(const SkinThreeLinks *triangle, const double *x, const double *coeff,
+                      double *f, T &beyond)
+{
+  const int *a = triangle->data(), *b = a + 1, *c = a + 2;
+  const SkinPoint<T> xa = load<T>(x, a, 3), xb = load<T>(x, b, 3), xc = load<T>(x, c, 3);
+  const SkinPoint<T> fab = force_of(xb - xa, coeff, beyond);
+  const SkinPoint<T> fbc = force_of(xc - xb, coeff, beyond);
+  const SkinPoint<T> fca = force_of(xa - xc, coeff, beyond);
+  add(f, a, 3, fca - fab);
+  add(f, b, 3, fab - fbc);
+  add(f, c, 3, fbc - fca);
+}
+
+/* ----------------------------------------------------------------------
+   forces of one link, or of four
+------------------------------------------------------------------------- */
+
+template <class T>
+SKIN_INLINE void pull(const SkinOneLink *link, const double *x, const double *coeff, double *f,
+                      T &beyond)
+{
+  const int *a = link->data(), *b = a + 1;
+  const SkinPoint<T> force = force_of(load<T>(x, b, 2) - load<T>(x, a, 2), coeff, beyond);
+  add(f, a, 2, SkinPoint<T>{} - force);
+  add(f, b, 2, force);
+}
+
+/* ----------------------------------------------------------------------
+   forces of all, four at a time; returns how many links are at their singular length or beyond
+------------------------------------------------------------------------- */
+
+template <class LINKS>
+SKIN_INLINE double pull_all(const std::vector<LINKS> &all, const double *x, const double *coeff,
+                            double *f)
+{
+  const LINKS *const links = all.data();
+  const int n = (int) all.size();
+  SkinQuad four_beyond = {};
+  double beyond = 0.0;
+  int k = 0;
+  for (; k + 4 <= n; k += 4) pull(links + k, x, coeff, f, four_beyond);
+  for (; k < n; k++) pull(links + k, x, coeff, f, beyond);
+  return beyond + sum(four_beyond);
+}
+
+SKIN_VECTOR static double pull_group(const SkinLinks::Group &group, const double *x,
+                                     const double *coeff, double *f)
+{
+  return pull_all(group.threes, x, coeff, f) + pull_all(group.ones, x, coeff, f);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -86,31 +139,19 @@ SKIN_VECTOR static int slopes_of(int n, const double *__restrict x, const int *_
 void BondSkinStretch::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
-  if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) list_links();
 
-  const int nlinks = (int) fbond.size();
-  if (nlinks == 0) return;
-  int **bondlist = neighbor->bondlist;
-  const double *const x = atom->x[0];
-  double *const f = atom->f[0];
-
-  // runs of links of one type
-
-  for (int begin = 0, end; begin < nlinks; begin = end) {
-    const int type = bondlist[begin][2];
-    for (end = begin + 1; end < nlinks && bondlist[end][2] == type;) end++;
-    if (slopes_of(end - begin, x, &ends[0][begin], &ends[1][begin], coeffs[type], &fbond[begin],
-                  &pull[0][begin], &pull[1][begin], &pull[2][begin]))
-      for (int n = begin; n < end; n++) overstretched(n);
+  if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) {
+    links.build();
+    built_call = neighbor->ncalls;
+    built_step = neighbor->lastcall;
   }
+  if (neighbor->nbondlist == 0) return;
 
-  for (int n = 0; n < nlinks; n++) {
-    double *fi = f + 3 * ends[0][n], *fj = f + 3 * ends[1][n];
-    for (int d = 0; d < 3; d++) {
-      fi[d] += pull[d][n];
-      fj[d] -= pull[d][n];
-    }
-  }
+  double beyond = 0.0;
+  for (int type = 1; type <= atom->nbondtypes; type++)
+    beyond += pull_group(links.of_type[type], atom->x[0], coeffs[type], atom->f[0]);
+  if (beyond > 0.0)
+    for (int n = 0; n < neighbor->nbondlist; n++) overstretched(n);
   if (evflag) tally();
 }
 
@@ -118,29 +159,17 @@ void BondSkinStretch::compute(int eflag, int vflag)
 
 void BondSkinStretch::tally()
 {
-  for (int n = 0; n < (int) fbond.size(); n++) {
-    const int i = ends[0][n], j = ends[1][n];
+  for (int n = 0; n < neighbor->nbondlist; n++) {
+    const int i = neighbor->bondlist[n][0], j = neighbor->bondlist[n][1];
+    const int type = neighbor->bondlist[n][2];
     const double *xi = atom->x[i], *xj = atom->x[j];
     const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
-    const double r = sqrt(dx * dx + dy * dy + dz * dz);
-    const double e = eflag_either ? energy_of(neighbor->bondlist[n][2], r) : 0.0;
-    ev_tally(i, j, atom->nlocal, 1, e, fbond[n], dx, dy, dz);
+    const double rsq = dx * dx + dy * dy + dz * dz;
+    double beyond = 0.0;
+    const double fbond = slope_of<double>(rsq, coeffs[type], beyond);
+    const double e = eflag_either ? energy_of(type, sqrt(rsq)) : 0.0;
+    ev_tally(i, j, atom->nlocal, 1, e, fbond, dx, dy, dz);
   }
-}
-
-/* ---------------------------------------------------------------------- */
-
-void BondSkinStretch::list_links()
-{
-  const int nlinks = neighbor->nbondlist;
-  fbond.resize(nlinks);
-  for (auto &component : pull) component.resize(nlinks);
-  for (int e = 0; e < 2; e++) {
-    ends[e].resize(nlinks);
-    for (int n = 0; n < nlinks; n++) ends[e][n] = neighbor->bondlist[n][e];
-  }
-  built_call = neighbor->ncalls;
-  built_step = neighbor->lastcall;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -170,8 +199,8 @@ double BondSkinStretch::energy_of(int type, double r) const
 
 void BondSkinStretch::add_stiffness(double *stiffness)
 {
-  for (int n = 0; n < (int) fbond.size(); n++) {
-    const int i = ends[0][n], j = ends[1][n];
+  for (int n = 0; n < neighbor->nbondlist; n++) {
+    const int i = neighbor->bondlist[n][0], j = neighbor->bondlist[n][1];
     const double *c = coeffs[neighbor->bondlist[n][2]], *xi = atom->x[i], *xj = atom->x[j];
     const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
     const double d2 = c[3], s = sqrt(dx * dx + dy * dy + dz * dz) / c[1];
@@ -192,7 +221,7 @@ void BondSkinStretch::add_stiffness(double *stiffness)
 
 void BondSkinStretch::overstretched(int n)
 {
-  const int i = ends[0][n], j = ends[1][n];
+  const int i = neighbor->bondlist[n][0], j = neighbor->bondlist[n][1];
   const double *c = coeffs[neighbor->bondlist[n][2]], *xi = atom->x[i], *xj = atom->x[j];
   const double r = sqrt((xi[0] - xj[0]) * (xi[0] - xj[0]) + (xi[1] - xj[1]) * (xi[1] - xj[1]) +
                         (xi[2] - xj[2]) * (xi[2] - xj[2]));
@@ -302,17 +331,14 @@ void BondSkinStretch::write_data(FILE *fp)
 
 double BondSkinStretch::single(int type, double rsq, int /*i*/, int /*j*/, double &fforce)
 {
-  const double x[6] = {sqrt(rsq), 0.0, 0.0, 0.0, 0.0, 0.0};
-  const int first = 0, second = 1;
-  double f[3];
-  slopes_of(1, x, &first, &second, coeffs[type], &fforce, &f[0], &f[1], &f[2]);
-  return energy_of(type, x[0]);
+  double beyond = 0.0;
+  fforce = slope_of<double>(rsq, coeffs[type], beyond);
+  return energy_of(type, sqrt(rsq));
 }
 
 /* ---------------------------------------------------------------------- */
 
 double BondSkinStretch::memory_usage()
 {
-  return Bond::memory_usage() +
-      (double) fbond.capacity() * (4 * sizeof(double) + 2 * sizeof(int));
+  return Bond::memory_usage() + links.memory_usage();
 }

@@ -3,7 +3,7 @@
 
 #include "bond.h"
 
-#include <vector>
+#include "skin_links.h"
 
 namespace LAMMPS_NS {
 
@@ -26,13 +26,10 @@ class BondSkinStretch : public Bond {
   static constexpr int NCOEFFS = 5;
 
   double **coeffs;               // K, contact length, a2, d2, scale of the spring-like part
-  std::vector<double> fbond;     // force / distance of each link
-  std::vector<double> pull[3];   // force on its first atom
-  std::vector<int> ends[2];      // atoms of each link
-  bigint built_call, built_step; // the neighbor build that these belong to
+  SkinLinks links;
+  bigint built_call, built_step; // the neighbor build that they belong to
 
   void allocate();
-  void list_links();
   void tally();
   double energy_of(int, double) const;
   void overstretched(int);

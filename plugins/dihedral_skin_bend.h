@@ -3,6 +3,8 @@
 
 #include "dihedral.h"
 
+#include "skin_triangles.h"
+
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -25,25 +27,13 @@ class DihedralSkinBend : public Dihedral {
  private:
   double *stiffness;
 
-  // the distinct triangles of my links, one array for each component, so that the loops over
-  // them vectorise
-
-  int ntriangles;
-  std::vector<int> corner[3];
-  std::vector<int> across[3];       // triangle across the link opposite to each corner
-  std::vector<int> type[3];         // dihedral type of that link
-  std::vector<double> normal[3];    // unit normal
-  std::vector<double> inverse;      // 1 / length of the unnormalised normal
-  std::vector<double> push[6];      // forces on corners 1 and 2
-
+  SkinTriangles triangles;
   bigint built_call, built_step;    // the neighbor build the triangles belong to
-  std::vector<int> first_of_vertex, next_of_triangle;    // triangles by their first corner
+  std::vector<double> normal;       // of each triangle: unit normal, 1 / length of the other
+  double ninverted;                 // of the last compute(), or a little more
 
   void allocate();
-  void build_triangles();
-  int find_triangle(int, int, int);
-  void hinge(int, int, int, int);
-  void add_forces();
+  double cosine(int, int) const;
   void tally_energy();
   void tally_virial();
   void degenerate(int);

@@ -1,0 +1,215 @@
+#include "skin_bend_forces.h"
+
+#include "skin_vector.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+// numbers from a triangle to the next, and from a pair to the next
+
+static constexpr int TRIANGLE = sizeof(SkinTriangle) / sizeof(int);
+static constexpr int PAIR = 2 * TRIANGLE;
+
+/* ----------------------------------------------------------------------
+   normals of one triangle or of four; adds to without what have none
+------------------------------------------------------------------------- */
+
+template <class T>
+SKIN_INLINE void normals_of(const SkinTriangle *t, const double *x, double *normal, T &without)
+{
+  const SkinPoint<T> o = load<T>(x, &t->corner[0], TRIANGLE);
+  const SkinPoint<T> v = cross(load<T>(x, &t->corner[1], TRIANGLE) - o,
+                               load<T>(x, &t->corner[2], TRIANGLE) - o);
+  const T zero = {}, one = zero + 1.0, lengthsq = dot(v, v), inverse = 1.0 / root(lengthsq);
+
+  // what is no number counts, too
+
+  without += lengthsq > SKIN_SMALLEST_NORMAL * SKIN_SMALLEST_NORMAL ? zero : one;
+  store_rows(normal, inverse * v, inverse);
+}
+
+SKIN_INLINE double all_normals(const std::vector<SkinTriangle> &triangles, int begin, int end,
+                               const double *x, double *normal)
+{
+  const SkinTriangle *const all = triangles.data();
+  SkinQuad four_without = {};
+  double without = 0.0;
+  int t = begin;
+  for (; t + 4 <= end; t += 4) normals_of(all + t, x, normal + 4 * t, four_without);
+  for (; t < end; t++) normals_of(all + t, x, normal + 4 * t, without);
+  return without + sum(four_without);
+}
+
+/* ----------------------------------------------------------------------
+   stiffness of the links of these types
+------------------------------------------------------------------------- */
+
+template <class T, bool ONE_TYPE>
+SKIN_INLINE T stiffness_of(const double *stiffness, const int *type, int stride)
+{
+  if constexpr (ONE_TYPE)
+    return T{} + stiffness[1];
+  else if constexpr (skin_width<T> == 1)
+    return stiffness[type[0]];
+  else
+    return T{stiffness[type[0]], stiffness[type[stride]], stiffness[type[2 * stride]],
+             stiffness[type[3 * stride]]};
+}
+
+/* ----------------------------------------------------------------------
+   what the fold against the triangle across a link adds to dE/dN
+------------------------------------------------------------------------- */
+
+template <class T>
+SKIN_INLINE SkinPoint<T> fold(const T &stiffness, const T &cosine, const SkinPoint<T> &across)
+{
+  return T(stiffness * (cosine - 1.0)) * across;
+}
+
+/* ----------------------------------------------------------------------
+   g = dE/d(unit normal) as dE/d(unnormalised normal)
+------------------------------------------------------------------------- */
+
+template <class T>
+SKIN_INLINE SkinPoint<T> turn(const SkinPoint<T> &g, const SkinPoint<T> &normal, const T &inverse)
+{
+  return inverse * (g - dot(g, normal) * normal);
+}
+
+/* ----------------------------------------------------------------------
+   forces of one pair of triangles (i1,i2,i3) and (i4,i3,i2), or of four pairs; a and b are their
+   normals
+------------------------------------------------------------------------- */
+
+template <class T, bool ONE_TYPE>
+SKIN_INLINE void bend_pair(const SkinTriangle *t, const double *x, const double *stiffness,
+                           const double *normal, double least, double *f, T &inverted)
+{
+  const SkinTriangle &first = t[0], &second = t[1];
+  T of_a, of_b, unused;
+  const SkinPoint<T> a = load_rows<T>(normal, &second.across[0], PAIR, of_a);
+  const SkinPoint<T> b = load_rows<T>(normal, &first.across[0], PAIR, of_b);
+  const T shared = stiffness_of<T, ONE_TYPE>(stiffness, &first.type[0], PAIR), between = dot(a, b);
+
+  SkinPoint<T> ga = fold(shared, between, b), gb = fold(shared, between, a);
+  T most_a = between, most_b = between;
+  for (int k = 1; k < 3; k++) {
+    const SkinPoint<T> c = load_rows<T>(normal, &first.across[k], PAIR, unused);
+    const SkinPoint<T> d = load_rows<T>(normal, &second.across[k], PAIR, unused);
+    const T ac = dot(a, c), bd = dot(b, d);
+    ga = ga + fold(stiffness_of<T, ONE_TYPE>(stiffness, &first.type[k], PAIR), ac, c);
+    gb = gb + fold(stiffness_of<T, ONE_TYPE>(stiffness, &second.type[k], PAIR), bd, d);
+    most_a = larger(most_a, ac);
+    most_b = larger(most_b, bd);
+  }
+  const T zero = {}, one = zero + 1.0;
+  inverted += smaller(most_a, most_b) < least ? one : zero;
+
+  const SkinPoint<T> ha = turn(ga, a, of_a), hb = turn(gb, b, of_b);
+  const SkinPoint<T> x1 = load<T>(x, &first.corner[0], PAIR);
+  const SkinPoint<T> x2 = load<T>(x, &first.corner[1], PAIR);
+  const SkinPoint<T> x3 = load<T>(x, &first.corner[2], PAIR);
+  const SkinPoint<T> x4 = load<T>(x, &second.corner[0], PAIR);
+  const SkinPoint<T> a2 = cross(ha, x3 - x1), a3 = cross(x2 - x1, ha);
+  const SkinPoint<T> b3 = cross(hb, x2 - x4), b2 = cross(x3 - x4, hb);
+  add(f, &first.corner[0], PAIR, SkinPoint<T>{} - (a2 + a3));
+  add(f, &first.corner[1], PAIR, a2 + b2);
+  add(f, &first.corner[2], PAIR, a3 + b3);
+  add(f, &second.corner[0], PAIR, SkinPoint<T>{} - (b2 + b3));
+}
+
+/* ---------------------------------------------------------------------- */
+
+template <bool ONE_TYPE>
+SKIN_INLINE double bend_pairs(const std::vector<SkinTriangle> &triangles, int begin, int end,
+                              const double *x, const double *stiffness, const double *normal,
+                              double least, double *f)
+{
+  const SkinTriangle *const all = triangles.data();
+  SkinQuad four_inverted = {};
+  double inverted = 0.0;
+  int k = begin;
+  for (; k + 4 <= end; k += 4)
+    bend_pair<SkinQuad, ONE_TYPE>(all + 2 * k, x, stiffness, normal, least, f, four_inverted);
+  for (; k < end; k++)
+    bend_pair<double, ONE_TYPE>(all + 2 * k, x, stiffness, normal, least, f, inverted);
+  return inverted + sum(four_inverted);
+}
+
+/* ----------------------------------------------------------------------
+   block by block, so that normals are still at hand when they are used
+------------------------------------------------------------------------- */
+
+SKIN_VECTOR static SkinFolds bend_blocks(const SkinTriangles &triangles, const double *x,
+                                         const double *stiffness, int ntypes, double least,
+                                         double *normal, double *f)
+{
+  const std::vector<SkinTriangle> &all = triangles.all;
+  const int npairs = triangles.npairs;
+  SkinFolds folds = {all_normals(all, 2 * npairs, (int) all.size(), x, normal), 0.0};
+  int known = 0;
+  for (int begin = 0, block = 0; begin < npairs; begin += SkinTriangles::BLOCK, block++) {
+    folds.without_normal += all_normals(all, known, triangles.reach[block], x, normal);
+    known = triangles.reach[block];
+
+    const int end = std::min(begin + SkinTriangles::BLOCK, npairs);
+    folds.inverted += ntypes == 1 ?
+        bend_pairs<true>(all, begin, end, x, stiffness, normal, least, f) :
+        bend_pairs<false>(all, begin, end, x, stiffness, normal, least, f);
+  }
+  return folds;
+}
+
+/* ---------------------------------------------------------------------- */
+
+SkinFolds LAMMPS_NS::skin_bend(const SkinTriangles &triangles, const double *x,
+                               const double *stiffness, int ntypes, double least, double *normal,
+                               double *f)
+{
+  SkinFolds folds = bend_blocks(triangles, x, stiffness, ntypes, least, normal, f);
+
+  // triangles without a partner are few
+
+  for (int t = 2 * triangles.npairs; t < (int) triangles.all.size(); t++) {
+    const SkinTriangle &mine = triangles.all[t];
+    const SkinPush push = skin_push(triangles, t, x, stiffness, normal);
+    add(f, &mine.corner[0], 1, SkinPoint<double>{} - (push.one + push.two));
+    add(f, &mine.corner[1], 1, push.one);
+    add(f, &mine.corner[2], 1, push.two);
+
+    double most = -1.0;
+    for (int k = 0; k < 3; k++) most = larger(most, skin_cosine(triangles, t, k, normal));
+    folds.inverted += most < least;
+  }
+  return folds;
+}
+
+/* ---------------------------------------------------------------------- */
+
+SkinPush LAMMPS_NS::skin_push(const SkinTriangles &triangles, int t, const double *x,
+                              const double *stiffness, const double *normal)
+{
+  const SkinTriangle &mine = triangles.all[t];
+  double inverse, unused;
+  const SkinPoint<double> a = load_rows<double>(normal, &t, 1, inverse);
+  SkinPoint<double> g = {};
+  for (int k = 0; k < 3; k++) {
+    const SkinPoint<double> b = load_rows<double>(normal, &mine.across[k], 1, unused);
+    g = g + fold(stiffness[mine.type[k]], dot(a, b), b);
+  }
+
+  const SkinPoint<double> h = turn(g, a, inverse), o = load<double>(x, &mine.corner[0], 1);
+  return {cross(h, load<double>(x, &mine.corner[2], 1) - o),
+          cross(load<double>(x, &mine.corner[1], 1) - o, h)};
+}
+
+/* ---------------------------------------------------------------------- */
+
+double LAMMPS_NS::skin_cosine(const SkinTriangles &triangles, int t, int corner,
+                              const double *normal)
+{
+  double unused;
+  return dot(load_rows<double>(normal, &t, 1, unused),
+             load_rows<double>(normal, &triangles.all[t].across[corner], 1, unused));
+}

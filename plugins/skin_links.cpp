@@ -1,0 +1,73 @@
+#include "skin_links.h"
+
+#include "atom.h"
+#include "neighbor.h"
+
+using namespace LAMMPS_NS;
+
+/* ----------------------------------------------------------------------
+   group the links of this neighbor build; a triangle is found from an atom that is the first one
+   of two of its links
+------------------------------------------------------------------------- */
+
+void SkinLinks::build()
+{
+  int **const list = neighbor->bondlist;
+  const int nlinks = neighbor->nbondlist;
+  first_of_atom.assign(atom->nlocal + atom->nghost, -1);
+  next_of_link.resize(nlinks);
+  for (int n = nlinks - 1; n >= 0; n--) {
+    next_of_link[n] = first_of_atom[list[n][0]];
+    first_of_atom[list[n][0]] = n;
+  }
+
+  of_type.resize(atom->nbondtypes + 1);
+  for (Group &group : of_type) {
+    group.threes.clear();
+    group.ones.clear();
+  }
+  listed.assign(nlinks, 0);
+
+  for (int n = 0; n < nlinks; n++) {
+    if (listed[n]) continue;
+    const int a = list[n][0], b = list[n][1], type = list[n][2];
+    listed[n] = 1;
+    int second = next_of_link[n], third = -1;
+    for (; second >= 0; second = next_of_link[second]) {
+      if (listed[second] || list[second][2] != type) continue;
+      third = find(b, list[second][1], type);
+      if (third >= 0) break;
+    }
+
+    if (third >= 0) {
+      of_type[type].threes.push_back({a, b, list[second][1]});
+      listed[second] = listed[third] = 1;
+    } else {
+      of_type[type].ones.push_back({a, b});
+    }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   a link of this type between two atoms that is not listed yet, or -1
+------------------------------------------------------------------------- */
+
+int SkinLinks::find(int a, int b, int type) const
+{
+  int **const list = neighbor->bondlist;
+  for (const auto &[from, to] : {SkinOneLink{a, b}, SkinOneLink{b, a}})
+    for (int n = first_of_atom[from]; n >= 0; n = next_of_link[n])
+      if (list[n][1] == to && list[n][2] == type && !listed[n]) return n;
+  return -1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double SkinLinks::memory_usage() const
+{
+  double bytes = (double) (first_of_atom.capacity() + next_of_link.capacity()) * sizeof(int);
+  for (const Group &group : of_type)
+    bytes += (double) group.threes.capacity() * sizeof(SkinThreeLinks) +
+        (double) group.ones.capacity() * sizeof(SkinOneLink);
+  return bytes + (double) listed.capacity() * sizeof(char);
+}

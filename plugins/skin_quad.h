@@ -1,0 +1,208 @@
+// Vectors in space of one particle, or of four particles at a time: T is double or SkinQuad, which
+// holds one number of each of the four and becomes the instructions that SKIN_VECTOR chooses.
+// Indices of the four lie stride apart.
+
+#ifndef LMP_SKIN_QUAD_H
+#define LMP_SKIN_QUAD_H
+
+#include <cmath>
+
+// everything here is inlined: no vector is handed to a function
+
+#pragma GCC diagnostic ignored "-Wpsabi"
+#define SKIN_INLINE static inline __attribute__((always_inline))
+
+namespace LAMMPS_NS {
+
+typedef double SkinPair __attribute__((vector_size(16)));
+typedef double SkinQuad __attribute__((vector_size(32)));
+typedef double SkinPairInMemory __attribute__((vector_size(16), aligned(8), may_alias));
+
+template <class T> struct SkinPoint {
+  T x, y, z;
+};
+
+template <class T> constexpr int skin_width = sizeof(T) / sizeof(double);
+
+/* ---------------------------------------------------------------------- */
+
+template <class T>
+SKIN_INLINE SkinPoint<T> operator+(const SkinPoint<T> &a, const SkinPoint<T> &b)
+{
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+template <class T>
+SKIN_INLINE SkinPoint<T> operator-(const SkinPoint<T> &a, const SkinPoint<T> &b)
+{
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+template <class T> SKIN_INLINE SkinPoint<T> operator*(const T &a, const SkinPoint<T> &b)
+{
+  return {a * b.x, a * b.y, a * b.z};
+}
+
+template <class T> SKIN_INLINE T dot(const SkinPoint<T> &a, const SkinPoint<T> &b)
+{
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template <class T>
+SKIN_INLINE SkinPoint<T> cross(const SkinPoint<T> &a, const SkinPoint<T> &b)
+{
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/* ---------------------------------------------------------------------- */
+
+SKIN_INLINE double root(double a)
+{
+  return std::sqrt(a);
+}
+
+SKIN_INLINE SkinQuad root(const SkinQuad &a)
+{
+  SkinQuad roots;
+  for (int k = 0; k < 4; k++) roots[k] = std::sqrt(a[k]);
+  return roots;
+}
+
+template <class T> SKIN_INLINE T larger(const T &a, const T &b)
+{
+  return a < b ? b : a;
+}
+
+template <class T> SKIN_INLINE T smaller(const T &a, const T &b)
+{
+  return b < a ? b : a;
+}
+
+SKIN_INLINE double sum(double a)
+{
+  return a;
+}
+
+SKIN_INLINE double sum(const SkinQuad &a)
+{
+  return a[0] + a[1] + a[2] + a[3];
+}
+
+/* ----------------------------------------------------------------------
+   numbers of a followed by those of b, in this order
+------------------------------------------------------------------------- */
+
+#if defined(__clang__) || __GNUC__ >= 12
+template <int... ORDER, class V> SKIN_INLINE SkinQuad quad(const V &a, const V &b)
+{
+  return __builtin_shufflevector(a, b, ORDER...);
+}
+
+template <int... ORDER> SKIN_INLINE SkinPair pair(const SkinQuad &a)
+{
+  return __builtin_shufflevector(a, a, ORDER...);
+}
+#else
+template <int... ORDER, class V> SKIN_INLINE SkinQuad quad(const V &a, const V &b)
+{
+  constexpr int n = skin_width<V>;
+  return SkinQuad{(ORDER < n ? a[ORDER % n] : b[ORDER % n])...};
+}
+
+template <int... ORDER> SKIN_INLINE SkinPair pair(const SkinQuad &a)
+{
+  return SkinPair{a[ORDER]...};
+}
+#endif
+
+/* ----------------------------------------------------------------------
+   vectors that are stored three by three
+------------------------------------------------------------------------- */
+
+template <class T> SKIN_INLINE SkinPoint<T> load(const double *all, const int *i, int stride)
+{
+  const double *a = all + 3L * i[0];
+  if constexpr (skin_width<T> == 1) {
+    return {a[0], a[1], a[2]};
+  } else {
+    const double *b = all + 3L * i[stride];
+    const double *c = all + 3L * i[2 * stride], *d = all + 3L * i[3 * stride];
+    const SkinPair axy = *(const SkinPairInMemory *) a, bxy = *(const SkinPairInMemory *) b;
+    const SkinPair cxy = *(const SkinPairInMemory *) c, dxy = *(const SkinPairInMemory *) d;
+    const SkinQuad ac = quad<0, 1, 2, 3>(axy, cxy), bd = quad<0, 1, 2, 3>(bxy, dxy);
+    const SkinPair abz = {a[2], b[2]}, cdz = {c[2], d[2]};
+    return {quad<0, 4, 2, 6>(ac, bd), quad<1, 5, 3, 7>(ac, bd), quad<0, 1, 2, 3>(abz, cdz)};
+  }
+}
+
+SKIN_INLINE void add(double *all, const int *i, int, const SkinPoint<double> &p)
+{
+  double *a = all + 3L * i[0];
+  a[0] += p.x;
+  a[1] += p.y;
+  a[2] += p.z;
+}
+
+SKIN_INLINE void add(double *all, const int *i, int stride, const SkinPoint<SkinQuad> &p)
+{
+  const SkinQuad ac = quad<0, 4, 2, 6>(p.x, p.y), bd = quad<1, 5, 3, 7>(p.x, p.y);
+  const SkinPair xy[] = {pair<0, 1>(ac), pair<0, 1>(bd), pair<2, 3>(ac), pair<2, 3>(bd)};
+  for (int k = 0; k < 4; k++) {
+    double *a = all + 3L * i[k * stride];
+    *(SkinPairInMemory *) a += xy[k];
+    a[2] += p.z[k];
+  }
+}
+
+/* ----------------------------------------------------------------------
+   vectors and a number with each, stored four by four
+------------------------------------------------------------------------- */
+
+template <class T>
+SKIN_INLINE SkinPoint<T> load_rows(const double *all, const int *i, int stride, T &w)
+{
+  if constexpr (skin_width<T> == 1) {
+    const double *a = all + 4L * i[0];
+    w = a[3];
+    return {a[0], a[1], a[2]};
+  } else {
+    SkinPair xy[4], zw[4];
+    for (int k = 0; k < 4; k++) {
+      const SkinPairInMemory *a = (const SkinPairInMemory *) (all + 4L * i[k * stride]);
+      xy[k] = a[0];
+      zw[k] = a[1];
+    }
+    const SkinQuad acxy = quad<0, 1, 2, 3>(xy[0], xy[2]), bdxy = quad<0, 1, 2, 3>(xy[1], xy[3]);
+    const SkinQuad aczw = quad<0, 1, 2, 3>(zw[0], zw[2]), bdzw = quad<0, 1, 2, 3>(zw[1], zw[3]);
+    w = quad<1, 5, 3, 7>(aczw, bdzw);
+    return {quad<0, 4, 2, 6>(acxy, bdxy), quad<1, 5, 3, 7>(acxy, bdxy),
+            quad<0, 4, 2, 6>(aczw, bdzw)};
+  }
+}
+
+SKIN_INLINE void store_rows(double *rows, const SkinPoint<double> &p, double w)
+{
+  rows[0] = p.x;
+  rows[1] = p.y;
+  rows[2] = p.z;
+  rows[3] = w;
+}
+
+SKIN_INLINE void store_rows(double *rows, const SkinPoint<SkinQuad> &p, const SkinQuad &w)
+{
+  const SkinQuad acxy = quad<0, 4, 2, 6>(p.x, p.y), bdxy = quad<1, 5, 3, 7>(p.x, p.y);
+  const SkinQuad aczw = quad<0, 4, 2, 6>(p.z, w), bdzw = quad<1, 5, 3, 7>(p.z, w);
+  SkinPairInMemory *to = (SkinPairInMemory *) rows;
+  to[0] = pair<0, 1>(acxy);
+  to[1] = pair<0, 1>(aczw);
+  to[2] = pair<0, 1>(bdxy);
+  to[3] = pair<0, 1>(bdzw);
+  to[4] = pair<2, 3>(acxy);
+  to[5] = pair<2, 3>(aczw);
+  to[6] = pair<2, 3>(bdxy);
+  to[7] = pair<2, 3>(bdzw);
+}
+
+}    // namespace LAMMPS_NS
+
+#endif
