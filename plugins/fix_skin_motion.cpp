@@ -163,18 +163,22 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
 
 /* ----------------------------------------------------------------------
    positions on a grid that divides the box, the same for all images of a particle: what the order
-   of sums did to their last digits is gone
+   of sums did to their last digits is gone. What feels no force, such as what is held, stays.
 ------------------------------------------------------------------------- */
 
 void FixSkinMotion::round_positions()
 {
-  for (int d = 0; d < 3; d++) {
-    const double lo = domain->boxlo[d];
-    const double grid = domain->prd[d] / std::ceil(domain->prd[d] / rounding);
-    for (int i = 0; i < atom->nlocal; i++) {
-      if (!(atom->mask[i] & groupbit)) continue;
-      double &x = atom->x[i][d];
-      x = lo + grid * std::nearbyint((x - lo) / grid);
+  double grid[3];
+  for (int d = 0; d < 3; d++)
+    grid[d] = domain->prd[d] / std::ceil(domain->prd[d] / rounding);
+
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *const f = atom->f[i];
+    const bool moves = f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0;
+    if (!(atom->mask[i] & groupbit) || !moves) continue;
+    for (int d = 0; d < 3; d++) {
+      const double lo = domain->boxlo[d];
+      atom->x[i][d] = lo + grid[d] * std::nearbyint((atom->x[i][d] - lo) / grid[d]);
     }
   }
 }

@@ -51,6 +51,7 @@ def test_pair_follows_its_growing_spring(spring: str, tmp_path: Path) -> None:
             "cells.division_spring": spring, "cells.adhesion_stiffness": 0.0,
             "cells.binding_stiffness": 0.0, "cells.membrane_exclusion_stiffness": 0.0,
             "cells.generations": 0, "numerics.timestep": timestep, "numerics.event_interval": 0.0,
+            "numerics.rounding": 0.0,
         }
     )  # fmt: skip
     # the spring of the model's section 6: stiffness, first length, growth per time unit
