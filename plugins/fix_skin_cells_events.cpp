@@ -131,8 +131,7 @@ void FixSkinCells::pre_exchange()
 std::vector<SkinCellEvent> FixSkinCells::due_events()
 {
   comm->forward_comm();
-  nearest.bin(atom->nlocal + atom->nghost, atom->x, atom->type, atom->tag, membrane_type,
-              0.5 * contact);
+  nearest.bin(atom, membrane_type);
   refresh_state();
 
   const double time = now();

@@ -69,8 +69,7 @@ void FixSkinCells::list_cells()
   built_step = neighbor->lastcall;
   nearest.clear_candidates();
   if (cells.empty()) return;
-  nearest.bin(atom->nlocal + atom->nghost, atom->x, atom->type, atom->tag, membrane_type,
-              0.5 * contact);
+  nearest.bin(atom, membrane_type);
   for (int i : cells) nearest.add_candidates(atom->x[i], neighbor->skin);
 }
 

@@ -3,7 +3,7 @@
 #ifndef LMP_SKIN_NEAREST_H
 #define LMP_SKIN_NEAREST_H
 
-#include "lmptype.h"
+#include "skin_columns.h"
 
 #include <vector>
 
@@ -16,10 +16,9 @@ class SkinNearest {
     double distsq;    // squared distance to it
   };
 
-  // sort the membrane particles among n atoms into columns of the given width
+  // sort the particles of the membrane's type into columns
 
-  void bin(int n, const double *const *x, const int *type, const tagint *tag, int membrane,
-           double width);
+  void bin(const Atom *, int membrane_type);
 
   // nearest of all binned particles
 
@@ -35,23 +34,10 @@ class SkinNearest {
   double memory_usage() const;
 
  private:
-  struct Particle {
-    double x[3];
-    int index;
-    tagint tag;
-  };
-
-  int ncolumns[2] = {0, 0};
-  double lo[2] = {0.0, 0.0}, width = 0.0;
-  std::vector<int> first;             // first particle of each column, one entry more at the end
-  std::vector<double> zlo, zhi;       // extent of each column's particles
-  std::vector<Particle> particles;    // sorted by column
-  std::vector<int> column_of;
-
+  SkinColumns columns;
+  SkinSurroundings near;
   std::vector<int> candidates, first_candidate;
 
-  int column(int dim, double coordinate) const;
-  double distance_squared_to_column(int ix, int iy, const double *point) const;
   void search_column(int ix, int iy, const double *point, Neighbor &best, tagint &best_tag) const;
 };
 

@@ -11,6 +11,7 @@
 
 #pragma GCC diagnostic ignored "-Wpsabi"
 #define SKIN_INLINE static inline __attribute__((always_inline))
+#define SKIN_METHOD inline __attribute__((always_inline))
 
 namespace LAMMPS_NS {
 

@@ -4,6 +4,9 @@
 #include "dihedral_skin_bend.h"
 #include "fix_skin_cells.h"
 #include "fix_skin_motion.h"
+#include "pair_skin_adhesion.h"
+#include "pair_skin_dermis.h"
+#include "pair_skin_lj.h"
 
 #include "lammps.h"
 
@@ -42,6 +45,21 @@ static void *create_dihedral_skin_bend(LAMMPS *lmp)
   return new DihedralSkinBend(lmp);
 }
 
+static void *create_pair_skin_adhesion(LAMMPS *lmp)
+{
+  return new PairSkinAdhesion(lmp);
+}
+
+static void *create_pair_skin_dermis(LAMMPS *lmp)
+{
+  return new PairSkinDermis(lmp);
+}
+
+static void *create_pair_skin_lj(LAMMPS *lmp)
+{
+  return new PairSkinLJ(lmp);
+}
+
 static void *create_fix_skin_cells(LAMMPS *lmp, int narg, char **arg)
 {
   return new FixSkinCells(lmp, narg, arg);
@@ -72,6 +90,24 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.name = "skin/bend";
   plugin.info = "bending of a triangulated membrane by the normals of its triangles";
   plugin.creator.v1 = &create_dihedral_skin_bend;
+  register_plugin(&plugin, lmp);
+
+  plugin.style = "pair";
+  plugin.name = "skin/adhesion";
+  plugin.info = "weak adhesion of cells";
+  plugin.creator.v1 = &create_pair_skin_adhesion;
+  register_plugin(&plugin, lmp);
+
+  plugin.style = "pair";
+  plugin.name = "skin/dermis";
+  plugin.info = "soft spheres of a dermis";
+  plugin.creator.v1 = &create_pair_skin_dermis;
+  register_plugin(&plugin, lmp);
+
+  plugin.style = "pair";
+  plugin.name = "skin/lj";
+  plugin.info = "exclusion and attraction of Lennard-Jones shape";
+  plugin.creator.v1 = &create_pair_skin_lj;
   register_plugin(&plugin, lmp);
 
   plugin.style = "fix";

@@ -388,17 +388,19 @@ def test_sources_of_the_plugin() -> None:
         assert {f"plugins/{source.stem}{suffix}" for suffix in (".cpp", ".h")} & named, source.name
 
 
+PAGES_OF_STYLES = [f"docs/{path.name}" for path in (ROOT / "docs").glob("*_skin*.md")]
+
+
 def test_terms() -> None:
     table = rows(section("architecture.md", "Terms"))
     assert [row[0].strip("`") for row in table] == list(terms.TERMS)
     for row in table:
         assert callable(getattr(potentials, codes(row[2])[0].removeprefix("potentials.")))
-    ours = {tuple(codes(row[1])) for row in table if "(ours)" in row[1]}
+    ours = {name for row in table for name in re.findall(r"`([^`]+)` \(ours\)", row[1])}
     registered = re.findall(
         r'style = "(\w+)";\s*plugin.name = "([\w/]+)"', text("plugins/skinplugin.cpp")
     )
-    names = {"fix": "fix {}", "dihedral": "dihedral_style {}", "bond": "bond_style {}"}
-    motion = {("fix skin/motion",)}
-    assert ours | motion == {(names[style].format(name),) for style, name in registered}
-    for style, name in registered:
-        assert (ROOT / "docs" / f"{style}_{name.replace('/', '_')}.md").exists()
+    styles = {f"{style}{'' if style == 'fix' else '_style'} {name}" for style, name in registered}
+    assert ours | {"fix skin/motion"} == styles
+    titles = re.findall(r"^# (.+) command$", "\n".join(map(text, PAGES_OF_STYLES)), re.MULTILINE)
+    assert sorted(titles) == sorted(styles)

@@ -102,8 +102,9 @@ class Numerics(Part):
     stiffness_limit: NotNegative = Field(
         0.0, description="stiffer membrane particles move slower in proportion; 0: none"
     )
-    pair_form: Literal["analytic", "table"] = Field(
-        "analytic", description="of the terms that have a Lennard-Jones shape"
+    pair_form: Literal["analytic", "table", "skin"] = Field(
+        "analytic",
+        description="pairs as lj/cut where that is exact, as tables, or in the plugin's styles",
     )
     table_style: Literal["linear", "spline"] = "linear"
     table_points: Annotated[int, Field(ge=100, le=1_000_000)] = 10_000

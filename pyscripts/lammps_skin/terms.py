@@ -49,7 +49,10 @@ class StyledTerm:
 
 @dataclass(frozen=True)
 class Shape:
-    """A pair potential K u(d/D), its range in contact lengths, and where its table begins."""
+    """A pair potential K u(d/D), its range in contact lengths, and where its table begins.
+
+    `own` is its style in the plugin, `more` what that wants to know besides K, D and the range.
+    """
 
     name: str
     stiffness: float
@@ -57,8 +60,14 @@ class Shape:
     range: float
     energy: Callable[[Floats], Floats]
     slope: Callable[[Floats], Floats]
-    lennard_jones: bool
     inner: float
+    own: str = "skin/lj"
+    more: tuple[float, ...] = ()
+
+    @property
+    def lennard_jones(self) -> bool:
+        """Whether it is exactly a stock ``lj/cut``."""
+        return self.own == "skin/lj"
 
     def table(self, points: int) -> Table:
         # the last point is inside the range: what jumps to 0 there keeps its limit from within
@@ -87,7 +96,7 @@ def pair_shapes(scene: Scene) -> list[Shape]:
     shapes = [
         Shape(
             "membrane_exclusion", membrane.exclusion_stiffness, scene.spacing, 1.0,
-            ex, ex_slope, True, 0.3,
+            ex, ex_slope, 0.3,
         )
     ]  # fmt: skip
     if dermis.present:
@@ -96,12 +105,12 @@ def pair_shapes(scene: Scene) -> list[Shape]:
             Shape(
                 "dermis_membrane", dermis.membrane_stiffness, membrane.radius + dermis.radius,
                 reach, lambda x: potentials.truncated(x, reach),
-                lambda x: potentials.truncated_slope(x, reach), True, 0.3,
+                lambda x: potentials.truncated_slope(x, reach), 0.3,
             ),
             Shape(
                 "dermis_dermis", dermis.stiffness, 2 * dermis.radius, reach,
                 lambda x: potentials.dermis(x, reach, a1, d1),
-                lambda x: potentials.dermis_slope(x, reach, a1, d1), False, 0.1,
+                lambda x: potentials.dermis_slope(x, reach, a1, d1), 0.1, "skin/dermis", (a1, d1),
             ),
         ]  # fmt: skip
     if scene.has_cells:
@@ -110,16 +119,16 @@ def pair_shapes(scene: Scene) -> list[Shape]:
         shapes += [
             Shape(
                 "cell_membrane_exclusion", cells.membrane_exclusion_stiffness, scene.contact, 1.0,
-                ex, ex_slope, True, 0.3,
+                ex, ex_slope, 0.3,
             ),
             Shape(
                 "cell_cell_exclusion", cells.exclusion_stiffness, 2 * cells.radius, 1.0,
-                ex, ex_slope, True, 0.3,
+                ex, ex_slope, 0.3,
             ),
             Shape(
                 "cell_cell_adhesion", cells.cell_adhesion_stiffness * scale, 2 * cells.radius, lam,
                 lambda x: potentials.shifted_adhesion(x, lam),
-                lambda x: potentials.adhesion_slope(x, lam), False, 0.02,
+                lambda x: potentials.adhesion_slope(x, lam), 0.02, "skin/adhesion",
             ),
         ]  # fmt: skip
     return shapes
@@ -131,6 +140,10 @@ def pair_terms(scene: Scene) -> list[StyledTerm]:
     terms = []
     for shape in pair_shapes(scene):
         cutoff = shape.contact * shape.range
+        if numerics.pair_form == "skin":
+            values = shape.stiffness, shape.contact, *shape.more, shape.range
+            terms.append(StyledTerm(shape.name, shape.own, " ".join(map(repr, values)), cutoff))
+            continue
         if shape.lennard_jones and numerics.pair_form == "analytic":
             coefficients = lennard_jones(shape.stiffness, shape.contact, cutoff)
             terms.append(StyledTerm(shape.name, f"lj/cut {cutoff!r}", coefficients, cutoff, None))

@@ -51,7 +51,7 @@ SETTINGS = {
     "parameters=paper": "parameters = 'paper': must be one of printed, papilla, weak5, direct5",
     "force_scale=half": "force_scale = 'half': must be 'printed' or 'direct'",
     "cells.arrangement=spiral": "cells.arrangement = 'spiral': must be 'ring', 'cluster', 'random'",
-    "numerics.pair_form=magic": "numerics.pair_form = 'magic': must be 'analytic' or 'table'",
+    "numerics.pair_form=magic": "numerics.pair_form = 'magic': must be 'analytic', 'table'",
     # lattice and box
     "membrane.lattice=24": "membrane.lattice = 24: must be an array of two values",
     "membrane.lattice=[24]": "membrane.lattice = [24]: must be an array of two values",

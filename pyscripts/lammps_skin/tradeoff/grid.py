@@ -48,6 +48,7 @@ VARIATIONS: dict[str, dict[str, Any]] = {
     "table-linear": {"pair_form": "table", "table_style": "linear"},
     "table-spline": {"pair_form": "table", "table_style": "spline"},
     "events-1": {"event_interval": 1.0},
+    "balanced-analytic": {"accuracy": "balanced", "pair_form": "analytic"},
     "balanced-events-1": {"accuracy": "balanced", "event_interval": 1.0},
     "balanced-skin-0.2": {"accuracy": "balanced", "neighbor_skin": 0.2},
     "balanced-skin-0.5": {"accuracy": "balanced", "neighbor_skin": 0.5},

@@ -1,0 +1,274 @@
+// What the pair styles of the skin share: coefficients, lists of pairs, energies. They list their
+// pairs themselves, since each concerns few pairs of types and the lists of LAMMPS are made for
+// all of them together.
+
+#include "pair_skin.h"
+
+#include "atom.h"
+#include "comm.h"
+#include "error.h"
+#include "force.h"
+#include "memory.h"
+#include "neighbor.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+
+static constexpr int STIFFNESS = 0, CONTACT = 1;
+
+/* ---------------------------------------------------------------------- */
+
+PairSkin::PairSkin(LAMMPS *lmp, const char *style, const std::vector<Coefficient> &names) :
+    Pair(lmp), style(style), names(names), ncoeffs((int) names.size()), coeffs(nullptr),
+    contacts(lmp), kinds_known(false), built_call(-1), built_step(-1)
+{
+  writedata = 1;
+  respa_enable = 0;
+}
+
+/* ---------------------------------------------------------------------- */
+
+PairSkin::~PairSkin()
+{
+  if (allocated) {
+    memory->destroy(setflag);
+    memory->destroy(cutsq);
+    memory->destroy(coeffs);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkin::compute(int eflag, int vflag)
+{
+  ev_init(eflag, vflag);
+
+  if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) {
+    if (!kinds_known) find_kinds();
+    contacts.build();
+    built_call = neighbor->ncalls;
+    built_step = neighbor->lastcall;
+  }
+
+  for (size_t kind = 0; kind < of_kind.size(); kind++)
+    if (of_kind[kind][STIFFNESS] != 0.0) pull(contacts.of_kind[kind], of_kind[kind]);
+  if (evflag) tally();
+  if (vflag_fdotr) virial_fdotr_compute();
+}
+
+/* ----------------------------------------------------------------------
+   pairs of types with the same coefficients are of one kind
+------------------------------------------------------------------------- */
+
+void PairSkin::find_kinds()
+{
+  const int n = atom->ntypes;
+  std::vector<int> kinds((n + 1) * (n + 1), -1);
+  std::vector<double> distances;
+  of_kind.clear();
+
+  for (int i = 1; i <= n; i++)
+    for (int j = i; j <= n; j++) {
+      if (!setflag[i][j]) continue;
+      double *const c = coeffs[i][j];
+      const auto same = [&](const double *other) { return std::equal(c, c + ncoeffs, other); };
+      const auto known = std::find_if(of_kind.begin(), of_kind.end(), same);
+      kinds[i * (n + 1) + j] = kinds[j * (n + 1) + i] = (int) (known - of_kind.begin());
+      if (known != of_kind.end()) continue;
+      of_kind.push_back(c);
+      distances.push_back(range(c));
+    }
+  contacts.set_kinds(kinds, distances);
+  kinds_known = true;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkin::tally()
+{
+  double **x = atom->x;
+  for (size_t kind = 0; kind < of_kind.size(); kind++) {
+    const double *const c = of_kind[kind];
+    for (const auto &[i, j] : contacts.of_kind[kind]) {
+      const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+      const double rsq = dx * dx + dy * dy + dz * dz;
+      if (rsq >= range(c) * range(c)) continue;
+      const double e = eflag_either ? energy(std::sqrt(rsq), c) : 0.0;
+      ev_tally(i, j, atom->nlocal, 1, e, 0.0, slope(rsq, c), dx, dy, dz);
+    }
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkin::phi(double x)
+{
+  const double six = std::pow(x, -6.0);
+  return six * six / 12.0 - six / 6.0;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkin::range(const double *c) const
+{
+  return c[CONTACT] * c[ncoeffs - 1];
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkin::settings(int narg, char ** /*arg*/)
+{
+  if (narg != 0) error->all(FLERR, "Pair style {} needs no arguments, but got {}", style, narg);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkin::allocate()
+{
+  allocated = 1;
+  const int np1 = atom->ntypes + 1;
+
+  memory->create(setflag, np1, np1, "pair:setflag");
+  memory->create(cutsq, np1, np1, "pair:cutsq");
+  memory->create(coeffs, np1, np1, ncoeffs, "pair:coeffs");
+  for (int i = 0; i < np1; i++)
+    for (int j = 0; j < np1; j++) {
+      setflag[i][j] = 0;
+      cutsq[i][j] = 0.0;
+    }
+}
+
+/* ----------------------------------------------------------------------
+   set coeffs for one or more pairs of types
+------------------------------------------------------------------------- */
+
+void PairSkin::coeff(int narg, char **arg)
+{
+  static const char *const MUST[] = {"a number >= 0", "a number > 0 and < 1", "a number >= 1"};
+
+  if (narg != ncoeffs + 2)
+    error->all(FLERR, "Pair style {} needs {} coefficients for a pair of types, but got {}", style,
+               ncoeffs, narg - 2);
+  if (!allocated) allocate();
+
+  int ilo, ihi, jlo, jhi;
+  utils::bounds_typelabel(FLERR, arg[0], 1, atom->ntypes, ilo, ihi, lmp, Atom::ATOM);
+  utils::bounds_typelabel(FLERR, arg[1], 1, atom->ntypes, jlo, jhi, lmp, Atom::ATOM);
+
+  std::vector<double> values(ncoeffs);
+  for (int k = 0; k < ncoeffs; k++) {
+    const double v = values[k] = utils::numeric(FLERR, arg[k + 2], false, lmp);
+    const Allowed allowed = names[k].allowed;
+    if (k == CONTACT && !(v > 0.0))
+      error->all(FLERR, "Pair style {}: {} = {} must be a number > 0", style, names[k].name,
+                 arg[k + 2]);
+    if (!std::isfinite(v) || v < 0.0 || (allowed == ONE_OR_MORE && v < 1.0) ||
+        (allowed == FRACTION && !(v > 0.0 && v < 1.0)))
+      error->all(FLERR, "Pair style {}: {} = {} must be {}", style, names[k].name, arg[k + 2],
+                 MUST[allowed]);
+  }
+
+  for (int i = ilo; i <= ihi; i++)
+    for (int j = std::max(jlo, i); j <= jhi; j++) {
+      std::copy(values.begin(), values.end(), coeffs[i][j]);
+      setflag[i][j] = 1;
+    }
+}
+
+/* ----------------------------------------------------------------------
+   no list of LAMMPS is asked for
+------------------------------------------------------------------------- */
+
+void PairSkin::init_style()
+{
+  if (!force->newton_pair) error->all(FLERR, "Pair style {} needs newton on for pairs", style);
+  const double *const special = force->special_lj;
+  if (atom->molecular != Atom::ATOMIC &&
+      (special[1] != 0.0 || special[2] != 1.0 || special[3] != 1.0))
+    error->all(FLERR, "Pair style {} needs special_bonds lj 0.0 1.0 1.0; it got {} {} {}", style,
+               special[1], special[2], special[3]);
+  kinds_known = false;
+  built_call = built_step = -1;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkin::init_one(int i, int j)
+{
+  if (!setflag[i][j]) error->all(FLERR, "All pair coeffs are not set: types {} and {}", i, j);
+  std::copy(coeffs[i][j], coeffs[i][j] + ncoeffs, coeffs[j][i]);
+  return range(coeffs[i][j]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkin::write_restart(FILE *fp)
+{
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = i; j <= atom->ntypes; j++) {
+      size_t written = fwrite(&setflag[i][j], sizeof(int), 1, fp);
+      if (setflag[i][j]) written += fwrite(coeffs[i][j], sizeof(double), ncoeffs, fp);
+      if (written != (size_t) (setflag[i][j] ? 1 + ncoeffs : 1))
+        error->one(FLERR, "Pair style {}: cannot write to the restart file: {}", style,
+                   utils::getsyserror());
+    }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkin::read_restart(FILE *fp)
+{
+  allocate();
+
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = i; j <= atom->ntypes; j++) {
+      if (comm->me == 0) utils::sfread(FLERR, &setflag[i][j], sizeof(int), 1, fp, nullptr, error);
+      MPI_Bcast(&setflag[i][j], 1, MPI_INT, 0, world);
+      if (!setflag[i][j]) continue;
+      double *const c = coeffs[i][j];
+      if (comm->me == 0) utils::sfread(FLERR, c, sizeof(double), ncoeffs, fp, nullptr, error);
+      MPI_Bcast(c, ncoeffs, MPI_DOUBLE, 0, world);
+    }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkin::write_data(FILE *fp)
+{
+  for (int i = 1; i <= atom->ntypes; i++) {
+    utils::print(fp, "{}", i);
+    for (int k = 0; k < ncoeffs; k++) utils::print(fp, " {:.17g}", coeffs[i][i][k]);
+    utils::print(fp, "\n");
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkin::write_data_all(FILE *fp)
+{
+  for (int i = 1; i <= atom->ntypes; i++)
+    for (int j = i; j <= atom->ntypes; j++) {
+      utils::print(fp, "{} {}", i, j);
+      for (int k = 0; k < ncoeffs; k++) utils::print(fp, " {:.17g}", coeffs[i][j][k]);
+      utils::print(fp, "\n");
+    }
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkin::single(int /*i*/, int /*j*/, int itype, int jtype, double rsq,
+                        double /*factor_coul*/, double factor_lj, double &fforce)
+{
+  const double *const c = coeffs[itype][jtype];
+  fforce = factor_lj * slope(rsq, c);
+  return rsq < range(c) * range(c) ? factor_lj * energy(std::sqrt(rsq), c) : 0.0;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkin::memory_usage()
+{
+  return Pair::memory_usage() + contacts.memory_usage();
+}

@@ -1,0 +1,68 @@
+#ifndef LMP_PAIR_SKIN_H
+#define LMP_PAIR_SKIN_H
+
+#include "pair.h"
+
+#include "skin_contacts.h"
+
+#include <string>
+#include <vector>
+
+namespace LAMMPS_NS {
+
+// what the pair styles of the skin have in common; each has coefficients, of which the first is a
+// stiffness, the second a contact length and the last a range in contact lengths
+
+class PairSkin : public Pair {
+ public:
+  enum Allowed { NOT_NEGATIVE, FRACTION, ONE_OR_MORE };
+  struct Coefficient {
+    const char *name;
+    Allowed allowed;
+  };
+
+  PairSkin(class LAMMPS *, const char *style, const std::vector<Coefficient> &);
+  ~PairSkin() override;
+  void compute(int, int) override;
+  void settings(int, char **) override;
+  void coeff(int, char **) override;
+  void init_style() override;
+  double init_one(int, int) override;
+  void write_restart(FILE *) override;
+  void read_restart(FILE *) override;
+  void write_data(FILE *) override;
+  void write_data_all(FILE *) override;
+  double single(int, int, int, int, double, double, double, double &) override;
+  double memory_usage() override;
+
+ protected:
+  // forces of all pairs of a kind, with its coefficients
+
+  virtual void pull(const std::vector<SkinTwo> &, const double *coeffs) = 0;
+
+  // -dE/dr / r and E of one pair at a distance within range
+
+  virtual double slope(double rsq, const double *coeffs) const = 0;
+  virtual double energy(double r, const double *coeffs) const = 0;
+
+  static double phi(double x);    // the Lennard-Jones shape with its minimum -1/12 at 1
+
+ private:
+  std::string style;
+  std::vector<Coefficient> names;
+  int ncoeffs;
+  double ***coeffs;                 // of each pair of types
+  SkinContacts contacts;
+  std::vector<double *> of_kind;    // coefficients of each kind of contact
+  bool kinds_known;
+  bigint built_call, built_step;    // the neighbor build that the contacts belong to
+
+  void allocate();
+  void find_kinds();
+  void tally();
+  double range(const double *) const;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,79 @@
+// Soft spheres of the dermis: attraction of Lennard-Jones shape to the range, a harmonic core
+// below the contact length, and below d1 of it the repulsion of phi(x + 1 - d1) on top,
+// x = distance / contact length.
+
+#include "pair_skin_dermis.h"
+
+#include "skin_vector.h"
+
+#include "atom.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+struct SoftSphere {
+  double stiffness, per_contact, core, onset, cutsq;
+
+  explicit SoftSphere(const double *c) :
+      stiffness(c[0]), per_contact(1.0 / c[1]), core(c[2]), onset(c[3]),
+      cutsq(c[1] * c[1] * c[4] * c[4])
+  {
+  }
+
+  template <class T> SKIN_METHOD T slope(const T &rsq) const
+  {
+    const T zero = {}, one = zero + 1.0, first = zero + onset;
+    const T r = root(rsq), x = r * per_contact;
+
+    // argument of phi: 1 within the core, where phi has no slope
+
+    const T argument = larger<T>(x, one) + (smaller<T>(x, first) - onset);
+    const T reciprocal = 1.0 / (argument * r);
+    const T inverse = reciprocal * r, inv3 = inverse * inverse * inverse, six = inv3 * inv3;
+    const T slopes = (six - six * six) * inverse + core * (smaller<T>(x, one) - 1.0);
+    return rsq < cutsq ? -(stiffness * per_contact) * slopes * (reciprocal * argument) : zero;
+  }
+};
+
+SKIN_VECTOR void pull_all(const std::vector<SkinTwo> &pairs, const SoftSphere &potential,
+                          const double *x, double *f)
+{
+  skin_pull(pairs, potential, x, f);
+}
+
+}    // namespace
+
+/* ---------------------------------------------------------------------- */
+
+PairSkinDermis::PairSkinDermis(LAMMPS *lmp) :
+    PairSkin(lmp, "skin/dermis",
+             {{"K", NOT_NEGATIVE}, {"contact length", NOT_NEGATIVE}, {"a1", NOT_NEGATIVE},
+              {"d1", FRACTION}, {"range", ONE_OR_MORE}})
+{
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkinDermis::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
+{
+  if (!pairs.empty()) pull_all(pairs, SoftSphere(coeffs), atom->x[0], atom->f[0]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkinDermis::slope(double rsq, const double *coeffs) const
+{
+  return SoftSphere(coeffs).slope(rsq);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkinDermis::energy(double r, const double *coeffs) const
+{
+  const double x = r / coeffs[1], core = std::min(x, 1.0) - 1.0, onset = coeffs[3];
+  const double argument = std::max(x, 1.0) + std::min(x, onset) - onset;
+  return coeffs[0] * (0.5 * coeffs[2] * core * core + phi(argument) - phi(coeffs[4]));
+}

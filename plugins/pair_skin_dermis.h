@@ -1,0 +1,20 @@
+#ifndef LMP_PAIR_SKIN_DERMIS_H
+#define LMP_PAIR_SKIN_DERMIS_H
+
+#include "pair_skin.h"
+
+namespace LAMMPS_NS {
+
+class PairSkinDermis : public PairSkin {
+ public:
+  explicit PairSkinDermis(class LAMMPS *);
+
+ protected:
+  void pull(const std::vector<SkinTwo> &, const double *) override;
+  double slope(double, const double *) const override;
+  double energy(double, const double *) const override;
+};
+
+}    // namespace LAMMPS_NS
+
+#endif

@@ -1,0 +1,65 @@
+// Lennard-Jones shape, cut and shifted: E = K (phi(x) - phi(range)), phi(x) = x^-12/12 - x^-6/6,
+// x = distance / contact length.
+
+#include "pair_skin_lj.h"
+
+#include "skin_vector.h"
+
+#include "atom.h"
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+struct LennardJones {
+  double stiffness, contactsq, cutsq;
+
+  explicit LennardJones(const double *c) :
+      stiffness(c[0]), contactsq(c[1] * c[1]), cutsq(c[1] * c[1] * c[2] * c[2])
+  {
+  }
+
+  template <class T> SKIN_METHOD T slope(const T &rsq) const
+  {
+    const T inverse = 1.0 / rsq, square = contactsq * inverse;
+    const T six = square * square * square, zero = {};
+    return rsq < cutsq ? stiffness * (six * six - six) * inverse : zero;
+  }
+};
+
+SKIN_VECTOR void pull_all(const std::vector<SkinTwo> &pairs, const LennardJones &potential,
+                          const double *x, double *f)
+{
+  skin_pull(pairs, potential, x, f);
+}
+
+}    // namespace
+
+/* ---------------------------------------------------------------------- */
+
+PairSkinLJ::PairSkinLJ(LAMMPS *lmp) :
+    PairSkin(lmp, "skin/lj",
+             {{"K", NOT_NEGATIVE}, {"contact length", NOT_NEGATIVE}, {"range", ONE_OR_MORE}})
+{
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkinLJ::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
+{
+  if (!pairs.empty()) pull_all(pairs, LennardJones(coeffs), atom->x[0], atom->f[0]);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkinLJ::slope(double rsq, const double *coeffs) const
+{
+  return LennardJones(coeffs).slope(rsq);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkinLJ::energy(double r, const double *coeffs) const
+{
+  return coeffs[0] * (phi(r / coeffs[1]) - phi(coeffs[2]));
+}

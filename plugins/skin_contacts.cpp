@@ -1,0 +1,180 @@
+#include "skin_contacts.h"
+
+#include "atom.h"
+#include "domain.h"
+#include "neighbor.h"
+
+#include <algorithm>
+
+using namespace LAMMPS_NS;
+
+/* ---------------------------------------------------------------------- */
+
+void SkinContacts::set_kinds(const std::vector<int> &kind_of_types,
+                             const std::vector<double> &distance)
+{
+  ntypes = atom->ntypes;
+  kinds = kind_of_types;
+  distances = distance;
+  of_kind.resize(distances.size());
+  choose_centers();
+  one_kind = all_of_one_kind();
+}
+
+/* ----------------------------------------------------------------------
+   all types on both sides; or, where no type would be on both, the side of which there are fewer
+   particles in the middle
+------------------------------------------------------------------------- */
+
+void SkinContacts::choose_centers()
+{
+  std::vector<char> lower(ntypes + 1, 0), upper(ntypes + 1, 0);
+  for (int a = 1; a <= ntypes; a++)
+    for (int b = a; b <= ntypes; b++)
+      if (kinds[a * (ntypes + 1) + b] >= 0) lower[a] = upper[b] = 1;
+
+  bigint mine[2] = {0, 0}, all[2];
+  for (int i = 0; i < atom->nlocal; i++) {
+    mine[0] += lower[atom->type[i]];
+    mine[1] += upper[atom->type[i]];
+  }
+  MPI_Allreduce(mine, all, 2, MPI_LMP_BIGINT, MPI_SUM, world);
+
+  one_way = true;
+  for (int a = 1; a <= ntypes; a++) one_way = one_way && !(lower[a] && upper[a]);
+  centers = lower;
+  partners = upper;
+  if (one_way && all[1] < all[0]) std::swap(centers, partners);
+  if (one_way) return;
+  for (int a = 1; a <= ntypes; a++) centers[a] = partners[a] = lower[a] || upper[a];
+}
+
+/* ---------------------------------------------------------------------- */
+
+bool SkinContacts::all_of_one_kind() const
+{
+  for (int a = 1; a <= ntypes; a++)
+    for (int b = 1; b <= ntypes; b++)
+      if (centers[a] && partners[b] && kinds[a * (ntypes + 1) + b] != 0) return false;
+  return true;
+}
+
+/* ----------------------------------------------------------------------
+   list the pairs for the atom order of this neighbor build
+------------------------------------------------------------------------- */
+
+void SkinContacts::build()
+{
+  for (std::vector<SkinTwo> &pairs : of_kind) pairs.clear();
+  if (of_kind.empty()) return;
+
+  radii.clear();
+  for (const double distance : distances) radii.push_back(distance + neighbor->skin);
+  const double furthest = *std::max_element(radii.begin(), radii.end());
+
+  columns.sort(atom, partners);
+  if (one_way) center_columns.sort(atom, centers);
+  const SkinColumns &all = one_way ? center_columns : columns;
+  for (int c = 0; c + 1 < (int) all.first.size(); c++)
+    if (all.first[c] < all.first[c + 1]) add_column(all, c, furthest);
+}
+
+/* ----------------------------------------------------------------------
+   pairs of my particles in one column
+------------------------------------------------------------------------- */
+
+void SkinContacts::add_column(const SkinColumns &all, int c, double furthest)
+{
+  const int begin = all.first[c], end = all.first[c + 1];
+  double lo[3], hi[3];
+  for (int d = 0; d < 3; d++) {
+    const auto [least, most] = std::minmax_element(&all.x[d][begin], &all.x[d][end]);
+    lo[d] = *least;
+    hi[d] = *most;
+  }
+  // a pair of two particles of one set is found at the one that is first in the order of columns
+
+  columns.around(lo, hi, furthest, near, one_way ? 0 : c);
+
+  for (int n = begin; n < end; n++) {
+    const int i = all.index[n];
+    if (one_way && i >= atom->nlocal) continue;
+    const double point[3] = {all.x[0][n], all.x[1][n], all.x[2][n]};
+    const auto [first, last] = near.within(point, furthest, one_way ? 0 : n - begin + 1);
+    const int *const row = &kinds[atom->type[i] * (ntypes + 1)];
+
+    // a ghost has no list of special neighbors; who has none sees all
+
+    const bool owned = i < atom->nlocal;
+    const bool sees_all = owned && !neighbor->exclude &&
+        (!atom->nspecial || atom->nspecial[i][0] == 0);
+    for (const int *k = first; k < last; k++) {
+      const int j = near.index[*k];
+      if (!one_way && !mine(i, j)) continue;
+      const int kind = one_kind ? 0 : row[atom->type[j]];
+      if (kind < 0 || near.distsq[*k] > radii[kind] * radii[kind]) continue;
+      const SkinTwo pair = {owned ? i : j, owned ? j : i};
+      if (sees_all || !hidden(pair[0], pair[1])) of_kind[kind].push_back(pair);
+    }
+  }
+}
+
+/* ----------------------------------------------------------------------
+   a pair that two ranks find, or one rank twice, is that of the rank or image that owns the one of
+   lower ID, if both IDs are of one parity, and else the one of higher ID, as if by lot
+------------------------------------------------------------------------- */
+
+bool SkinContacts::mine(int i, int j) const
+{
+  const int nlocal = atom->nlocal;
+  if (i < nlocal && j < nlocal) return true;
+  if (i >= nlocal && j >= nlocal) return false;
+  const tagint owned = atom->tag[std::min(i, j)], ghost = atom->tag[std::max(i, j)];
+  return (owned < ghost) == (((owned ^ ghost) & 1) == 0);
+}
+
+/* ----------------------------------------------------------------------
+   pairs that LAMMPS leaves out of its lists, too: special neighbors and excluded ones
+------------------------------------------------------------------------- */
+
+bool SkinContacts::hidden(int i, int j) const
+{
+  const int n = atom->nspecial ? atom->nspecial[i][0] : 0;
+  const tagint *const special = n ? atom->special[i] : nullptr;
+  if (n && std::find(special, special + n, atom->tag[j]) != special + n) {
+    const double *const x = atom->x[i], *const y = atom->x[j];
+    if (!domain->minimum_image_check(x[0] - y[0], x[1] - y[1], x[2] - y[2])) return true;
+  }
+  return neighbor->exclude && excluded(i, j);
+}
+
+/* ----------------------------------------------------------------------
+   neigh_modify exclude
+------------------------------------------------------------------------- */
+
+bool SkinContacts::excluded(int i, int j) const
+{
+  const int *const mask = atom->mask;
+  if (neighbor->nex_type && neighbor->ex_type[atom->type[i]][atom->type[j]]) return true;
+  for (int m = 0; m < neighbor->nex_group; m++) {
+    const int one = neighbor->ex1_bit[m], two = neighbor->ex2_bit[m];
+    if (((mask[i] & one) && (mask[j] & two)) || ((mask[i] & two) && (mask[j] & one))) return true;
+  }
+  for (int m = 0; m < neighbor->nex_mol; m++) {
+    const int bit = neighbor->ex_mol_bit[m];
+    const bool same = atom->molecule[i] == atom->molecule[j];
+    if ((mask[i] & bit) && (mask[j] & bit) && same == (neighbor->ex_mol_intra[m] == 1))
+      return true;
+  }
+  return false;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double SkinContacts::memory_usage() const
+{
+  double bytes = columns.memory_usage() + center_columns.memory_usage() + near.memory_usage();
+  for (const std::vector<SkinTwo> &pairs : of_kind)
+    bytes += (double) pairs.capacity() * sizeof(SkinTwo);
+  return bytes;
+}
