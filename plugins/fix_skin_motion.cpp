@@ -8,6 +8,7 @@
 #include "bond_skin_stretch.h"
 #include "dihedral_skin_bend.h"
 #include "fix_skin_cells.h"
+#include "pair_skin.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -126,9 +127,26 @@ void FixSkinMotion::init()
                "style skin/bend, which know their stiffness", stiffness_limit);
 
   bend = dynamic_cast<DihedralSkinBend *>(force->dihedral);
+  find_pairs();
   cells = nullptr;
   for (Fix *fix : modify->get_fix_by_style("^skin/cells$"))
     cells = dynamic_cast<FixSkinCells *>(fix);
+}
+
+/* ----------------------------------------------------------------------
+   pair styles of the skin, on their own or in a hybrid style; the only one of its name is found
+   whatever its number
+------------------------------------------------------------------------- */
+
+void FixSkinMotion::find_pairs()
+{
+  pairs.clear();
+  for (const char *const name : {"skin/lj", "skin/dermis", "skin/adhesion"})
+    for (int n = 1;; n++) {
+      auto *const pair = dynamic_cast<PairSkin *>(force->pair_match(name, 1, n));
+      if (!pair || (n > 1 && pair == pairs.back())) break;
+      pairs.push_back(pair);
+    }
 }
 
 /* ----------------------------------------------------------------------
@@ -184,11 +202,13 @@ void FixSkinMotion::round_positions()
 }
 
 /* ----------------------------------------------------------------------
-   where the membrane collapses a triangle may turn over and back; it may not stay like that
+   overlaps end the run; where the membrane collapses a triangle may turn over and back, but may not
+   stay like that
 ------------------------------------------------------------------------- */
 
 void FixSkinMotion::final_integrate()
 {
+  for (const PairSkin *pair : pairs) pair->check_overlap();
   if (!bend) return;
   const int t = bend->find_inverted();
   inverted_time = t < 0 ? 0.0 : inverted_time + update->dt;

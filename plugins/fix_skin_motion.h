@@ -29,6 +29,7 @@ class FixSkinMotion : public Fix {
   bigint round_every;
   class FixSkinCells *cells;     // told the times of stages, if there is one
   class DihedralSkinBend *bend;  // asked for inverted triangles after a step, if there is one
+  std::vector<class PairSkin *> pairs;    // asked for overlaps after a step
 
   // one part of a step
 
@@ -55,6 +56,7 @@ class FixSkinMotion : public Fix {
   Move furthest(double);
   void keep_start();
   void restore_start(double);
+  void find_pairs();
   void find_mobility();
   void round_positions();
   void evaluate_forces(double);

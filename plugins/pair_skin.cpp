@@ -10,6 +10,7 @@
 #include "force.h"
 #include "memory.h"
 #include "neighbor.h"
+#include "update.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +21,9 @@ static constexpr int STIFFNESS = 0, CONTACT = 1;
 
 /* ---------------------------------------------------------------------- */
 
-PairSkin::PairSkin(LAMMPS *lmp, const char *style, const std::vector<Coefficient> &names) :
-    Pair(lmp), style(style), names(names), ncoeffs((int) names.size()), coeffs(nullptr),
+PairSkin::PairSkin(LAMMPS *lmp, const char *style, double core,
+                   const std::vector<Coefficient> &names) :
+    Pair(lmp), style(style), core(core), names(names), ncoeffs((int) names.size()), coeffs(nullptr),
     contacts(lmp), kinds_known(false), built_call(-1), built_step(-1)
 {
   writedata = 1;
@@ -52,8 +54,12 @@ void PairSkin::compute(int eflag, int vflag)
     built_step = neighbor->lastcall;
   }
 
-  for (size_t kind = 0; kind < of_kind.size(); kind++)
-    if (of_kind[kind][STIFFNESS] != 0.0) pull(contacts.of_kind[kind], of_kind[kind]);
+  least.assign(of_kind.size(), INFINITY);
+  for (size_t kind = 0; kind < of_kind.size(); kind++) {
+    const std::vector<SkinTwo> &pairs = contacts.of_kind[kind];
+    const double *const c = of_kind[kind];
+    if (c[STIFFNESS] != 0.0 && !pairs.empty()) least[kind] = pull(pairs, c);
+  }
   if (evflag) tally();
   if (vflag_fdotr) virial_fdotr_compute();
 }
@@ -97,6 +103,27 @@ void PairSkin::tally()
       if (rsq >= range(c) * range(c)) continue;
       const double e = eflag_either ? energy(std::sqrt(rsq), c) : 0.0;
       ev_tally(i, j, atom->nlocal, 1, e, 0.0, slope(rsq, c), dx, dy, dz);
+    }
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void PairSkin::check_overlap() const
+{
+  for (size_t kind = 0; kind < least.size(); kind++) {
+    const double closest = core * of_kind[kind][CONTACT];
+    if (!(least[kind] < closest * closest)) continue;
+    for (const auto &[i, j] : contacts.of_kind[kind]) {
+      const double *const x = atom->x[i], *const y = atom->x[j];
+      const double r = std::sqrt((x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) +
+                                 (x[2] - y[2]) * (x[2] - y[2]));
+      if (r < closest)
+        error->one(FLERR,
+                   "Pair {}: atoms {} and {} of types {} and {} overlap on step {}: their distance "
+                   "is {}, less than {}; try a smaller timestep than {}",
+                   style, atom->tag[i], atom->tag[j], atom->type[i], atom->type[j],
+                   update->ntimestep, r, closest, update->dt);
     }
   }
 }
@@ -191,6 +218,7 @@ void PairSkin::init_style()
                special[1], special[2], special[3]);
   kinds_known = false;
   built_call = built_step = -1;
+  least.clear();
 }
 
 /* ---------------------------------------------------------------------- */

@@ -21,7 +21,7 @@ class PairSkin : public Pair {
     Allowed allowed;
   };
 
-  PairSkin(class LAMMPS *, const char *style, const std::vector<Coefficient> &);
+  PairSkin(class LAMMPS *, const char *style, double core, const std::vector<Coefficient> &);
   ~PairSkin() override;
   void compute(int, int) override;
   void settings(int, char **) override;
@@ -35,10 +35,16 @@ class PairSkin : public Pair {
   double single(int, int, int, int, double, double, double, double &) override;
   double memory_usage() override;
 
- protected:
-  // forces of all pairs of a kind, with its coefficients
+  // ends the run if two particles of the last compute() have come closer than their core, a part
+  // of the contact length
 
-  virtual void pull(const std::vector<SkinTwo> &, const double *coeffs) = 0;
+  void check_overlap() const;
+
+ protected:
+  // forces of all pairs of a kind, of which there are some, with its coefficients; returns the least
+  // of their squared distances
+
+  virtual double pull(const std::vector<SkinTwo> &, const double *coeffs) = 0;
 
   // -dE/dr / r and E of one pair at a distance within range
 
@@ -49,11 +55,13 @@ class PairSkin : public Pair {
 
  private:
   std::string style;
+  double core;
   std::vector<Coefficient> names;
   int ncoeffs;
   double ***coeffs;                 // of each pair of types
   SkinContacts contacts;
   std::vector<double *> of_kind;    // coefficients of each kind of contact
+  std::vector<double> least;        // squared distance of each kind
   bool kinds_known;
   bigint built_call, built_step;    // the neighbor build that the contacts belong to
 

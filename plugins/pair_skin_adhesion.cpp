@@ -32,10 +32,10 @@ struct Adhesion {
   }
 };
 
-SKIN_VECTOR void pull_all(const std::vector<SkinTwo> &pairs, const Adhesion &potential,
-                          const double *x, double *f)
+SKIN_VECTOR double pull_all(const std::vector<SkinTwo> &pairs, const Adhesion &potential,
+                            const double *x, double *f)
 {
-  skin_pull(pairs, potential, x, f);
+  return skin_pull(pairs, potential, x, f);
 }
 
 }    // namespace
@@ -43,16 +43,16 @@ SKIN_VECTOR void pull_all(const std::vector<SkinTwo> &pairs, const Adhesion &pot
 /* ---------------------------------------------------------------------- */
 
 PairSkinAdhesion::PairSkinAdhesion(LAMMPS *lmp) :
-    PairSkin(lmp, "skin/adhesion",
+    PairSkin(lmp, "skin/adhesion", 0.0,
              {{"K", NOT_NEGATIVE}, {"contact length", NOT_NEGATIVE}, {"range", ONE_OR_MORE}})
 {
 }
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkinAdhesion::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
+double PairSkinAdhesion::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
 {
-  if (!pairs.empty()) pull_all(pairs, Adhesion(coeffs), atom->x[0], atom->f[0]);
+  return pull_all(pairs, Adhesion(coeffs), atom->x[0], atom->f[0]);
 }
 
 /* ---------------------------------------------------------------------- */

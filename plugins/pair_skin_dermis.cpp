@@ -38,10 +38,10 @@ struct SoftSphere {
   }
 };
 
-SKIN_VECTOR void pull_all(const std::vector<SkinTwo> &pairs, const SoftSphere &potential,
-                          const double *x, double *f)
+SKIN_VECTOR double pull_all(const std::vector<SkinTwo> &pairs, const SoftSphere &potential,
+                            const double *x, double *f)
 {
-  skin_pull(pairs, potential, x, f);
+  return skin_pull(pairs, potential, x, f);
 }
 
 }    // namespace
@@ -49,7 +49,7 @@ SKIN_VECTOR void pull_all(const std::vector<SkinTwo> &pairs, const SoftSphere &p
 /* ---------------------------------------------------------------------- */
 
 PairSkinDermis::PairSkinDermis(LAMMPS *lmp) :
-    PairSkin(lmp, "skin/dermis",
+    PairSkin(lmp, "skin/dermis", 0.1,
              {{"K", NOT_NEGATIVE}, {"contact length", NOT_NEGATIVE}, {"a1", NOT_NEGATIVE},
               {"d1", FRACTION}, {"range", ONE_OR_MORE}})
 {
@@ -57,9 +57,9 @@ PairSkinDermis::PairSkinDermis(LAMMPS *lmp) :
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkinDermis::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
+double PairSkinDermis::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
 {
-  if (!pairs.empty()) pull_all(pairs, SoftSphere(coeffs), atom->x[0], atom->f[0]);
+  return pull_all(pairs, SoftSphere(coeffs), atom->x[0], atom->f[0]);
 }
 
 /* ---------------------------------------------------------------------- */

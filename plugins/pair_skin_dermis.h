@@ -10,7 +10,7 @@ class PairSkinDermis : public PairSkin {
   explicit PairSkinDermis(class LAMMPS *);
 
  protected:
-  void pull(const std::vector<SkinTwo> &, const double *) override;
+  double pull(const std::vector<SkinTwo> &, const double *) override;
   double slope(double, const double *) const override;
   double energy(double, const double *) const override;
 };

@@ -27,10 +27,10 @@ struct LennardJones {
   }
 };
 
-SKIN_VECTOR void pull_all(const std::vector<SkinTwo> &pairs, const LennardJones &potential,
-                          const double *x, double *f)
+SKIN_VECTOR double pull_all(const std::vector<SkinTwo> &pairs, const LennardJones &potential,
+                            const double *x, double *f)
 {
-  skin_pull(pairs, potential, x, f);
+  return skin_pull(pairs, potential, x, f);
 }
 
 }    // namespace
@@ -38,16 +38,16 @@ SKIN_VECTOR void pull_all(const std::vector<SkinTwo> &pairs, const LennardJones 
 /* ---------------------------------------------------------------------- */
 
 PairSkinLJ::PairSkinLJ(LAMMPS *lmp) :
-    PairSkin(lmp, "skin/lj",
+    PairSkin(lmp, "skin/lj", 0.3,
              {{"K", NOT_NEGATIVE}, {"contact length", NOT_NEGATIVE}, {"range", ONE_OR_MORE}})
 {
 }
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkinLJ::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
+double PairSkinLJ::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
 {
-  if (!pairs.empty()) pull_all(pairs, LennardJones(coeffs), atom->x[0], atom->f[0]);
+  return pull_all(pairs, LennardJones(coeffs), atom->x[0], atom->f[0]);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -18,24 +18,34 @@ typedef std::array<int, 2> SkinTwo;
 
 template <class POTENTIAL, class T>
 SKIN_INLINE void skin_pull_two(const SkinTwo *two, const POTENTIAL &potential, const double *x,
-                               double *f)
+                               double *f, T &least)
 {
   const int *a = two->data(), *b = a + 1;
   const SkinPoint<T> d = load<T>(x, b, 2) - load<T>(x, a, 2);
-  const SkinPoint<T> force = potential.template slope<T>(dot(d, d)) * d;
+  const T rsq = dot(d, d);
+  const SkinPoint<T> force = potential.template slope<T>(rsq) * d;
+  least = smaller<T>(least, rsq);
   add(f, a, 2, SkinPoint<T>{} - force);
   add(f, b, 2, force);
 }
 
+/* ----------------------------------------------------------------------
+   returns the least of the squared distances
+------------------------------------------------------------------------- */
+
 template <class POTENTIAL>
-SKIN_INLINE void skin_pull(const std::vector<SkinTwo> &all, const POTENTIAL &potential,
-                           const double *x, double *f)
+SKIN_INLINE double skin_pull(const std::vector<SkinTwo> &all, const POTENTIAL &potential,
+                             const double *x, double *f)
 {
   const int n = (int) all.size();
+  double least = INFINITY;
+  SkinQuad four_least = SkinQuad{} + least;
   int k = 0;
   for (; k + 4 <= n; k += 4)
-    skin_pull_two<POTENTIAL, SkinQuad>(all.data() + k, potential, x, f);
-  for (; k < n; k++) skin_pull_two<POTENTIAL, double>(all.data() + k, potential, x, f);
+    skin_pull_two<POTENTIAL, SkinQuad>(all.data() + k, potential, x, f, four_least);
+  for (; k < n; k++) skin_pull_two<POTENTIAL, double>(all.data() + k, potential, x, f, least);
+  for (int m = 0; m < 4; m++) least = smaller(least, four_least[m]);
+  return least;
 }
 
 }    // namespace LAMMPS_NS

@@ -186,3 +186,58 @@ def test_what_is_no_number_is_named() -> None:
         simulation.command("fix push all addforce 0 0 v_none")
         with pytest.raises(SimulationError, match=r"unstable on step \d+|Divide by 0"):
             simulation.run()
+
+
+def test_overlap_is_named() -> None:
+    """A force that no term of the model has throws one cell into another in a single step."""
+    skin = {"numerics.pair_form": "skin", "numerics.largest_move": 0.0}
+    scene = small("reference", **skin)
+    cells = [(Kind.TA, (x, 6.0, HEIGHT + CONTACT), 3) for x in (4.0, 6.8)]
+    with Simulation(scene, configuration=place(scene, cells)) as simulation:
+        first = int(simulation.cells().ids[0])
+        simulation.command(f"group one id {first}")
+        simulation.command(f"fix push one addforce {2.2 / scene.numerics.timestep} 0 0")
+        error = (
+            rf"skin/lj: atoms {first} and {first + 1} of types 3 and 3 overlap on step 1: their "
+            r"distance is 0\.6\d*, less than 0\.84; try a smaller timestep than 0\.01"
+        )
+        with pytest.raises(SimulationError, match=error):
+            simulation.run()
+
+
+def ten_thousand(scene: Scene, how: str) -> Configuration:
+    """Dividing and exhausted TA cells: thrown into one layer, or 1.39 apart in layers."""
+    draw = np.random.default_rng(5)
+    sides = np.array(scene.box_sides[:2])
+    n, across = np.arange(10_000), 36
+    spots = draw.random((len(n), 2)) * sides
+    layer = np.zeros(len(n))
+    if how == "layers":
+        spots = np.column_stack([n % across, n // across % across]) / across * sides
+        layer = n // across**2
+    left = draw.integers(0, 10, len(n))
+    cells = [
+        (Kind.TA if m else Kind.EXHAUSTED, (x, y, HEIGHT + CONTACT + 2.8 * up), int(m))
+        for (x, y), up, m in zip(spots, layer, left, strict=True)
+    ]
+    return place(scene, cells)
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_ten_thousand_cells_on_a_quarter(level: str) -> None:
+    """Cells that are in the mean 0.5 apart end in an error, layers of them in a sane state."""
+    scene = small(level, **{"membrane.lattice": [100, 114], "cells.stem": 1, "end_time": 4.0})
+    assert SAYS_WHERE.search(run(scene, ten_thousand(scene, "thrown")))
+    assert_sane_or_named(run(scene, ten_thousand(scene, "layers")))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["no-dermis", "one-stem"])
+def test_ten_thousand_time_units(name: str) -> None:
+    quiet = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
+    scene = Scene.load(name).replace(**quiet, end_time=10_000.0)
+    with Simulation(scene) as simulation:
+        simulation.run()
+        assert_sane(simulation)
+        assert simulation.time == 10_000.0
+        assert len(simulation.cells().ids) > scene.cells.stem
