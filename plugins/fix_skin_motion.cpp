@@ -172,11 +172,31 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
   }
 
   if (cells) cells->within_step(0.0);
+  check_box();
   if (rounding > 0.0 && update->ntimestep % round_every == 0) round_positions();
   steps++;
   parts += nparts;
   evaluations++;
   if (nparts > 1) divided++;
+}
+
+/* ----------------------------------------------------------------------
+   a particle beyond a fixed end of the box would be dropped at the next exchange
+------------------------------------------------------------------------- */
+
+void FixSkinMotion::check_box() const
+{
+  const bool fixed[2] = {domain->boundary[2][0] == 1, domain->boundary[2][1] == 1};
+  if (!fixed[0] && !fixed[1]) return;
+
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double z = atom->x[i][2];
+    if ((z < domain->boxlo[2] && fixed[0]) || (z >= domain->boxhi[2] && fixed[1]))
+      error->one(FLERR,
+                 "Fix skin/motion: atom {} of type {} leaves the box on step {}: z = {}, the box is "
+                 "from {} to {}", atom->tag[i], atom->type[i], update->ntimestep, z,
+                 domain->boxlo[2], domain->boxhi[2]);
+  }
 }
 
 /* ----------------------------------------------------------------------

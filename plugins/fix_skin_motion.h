@@ -58,6 +58,7 @@ class FixSkinMotion : public Fix {
   void restore_start(double);
   void find_pairs();
   void find_mobility();
+  void check_box() const;
   void round_positions();
   void evaluate_forces(double);
   void unstable(const Move &, double);

@@ -198,8 +198,8 @@ class Simulation:
         except SimulationError as error:
             self.sound = False
             raise SimulationError(
-                f"{error} (after t = {self._reached:g}, numerics.timestep = {timestep:g}; try "
-                f"{timestep / 2:g}; {self._last_checkpoint()})"
+                f"{error} (after t = {self._reached:g}, {remedy(str(error), timestep)}; "
+                f"{self._last_checkpoint()})"
             ) from None
 
     def _run_to(self, step: int, interruption: Interruption) -> None:
@@ -251,6 +251,13 @@ class Simulation:
         if self._engine is None:
             raise SimulationError("this simulation is closed")
         return self._engine
+
+
+def remedy(error: str, timestep: float) -> str:
+    """What to change after an error of a run."""
+    if "leaves the box" in error:
+        return "a tissue that moves needs more room: try other membrane.height and box_height"
+    return f"numerics.timestep = {timestep:g}; try {timestep / 2:g}"
 
 
 def check_run(directory: Path, ranks: int, threads: int) -> None:
