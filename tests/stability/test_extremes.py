@@ -47,14 +47,16 @@ def small(level: str, **changes: Any) -> Scene:
 
 
 def run(scene: Scene, configuration: Configuration | None = None, **options: Any) -> str:
-    """Run to the end: "" for a sane state, or the text of the error."""
+    """Run to the end: "" for a sane state, or the text of the error; printed, too."""
+    outcome = ""
     try:
         with Simulation(scene, configuration=configuration, **options) as simulation:
             simulation.run()
             assert_sane(simulation)
     except SimulationError as error:
-        return str(error)
-    return ""
+        outcome = str(error)
+    print(f"{scene.numerics.accuracy}: {outcome or 'a sane state'}")
+    return outcome
 
 
 def assert_sane(simulation: Simulation) -> None:
