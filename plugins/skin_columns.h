@@ -19,7 +19,7 @@ class Atom;
 struct SkinSurroundings {
   std::vector<double> x[3];
   std::vector<int> index;    // local ones
-  double zlo, zhi;
+  double zlo = 0.0, zhi = 0.0;
   std::vector<double> distsq;    // from the point of the last call
 
   // entries within a radius of a point, those before a given one left out, valid until the next

@@ -23,6 +23,7 @@ template <class T> struct SkinPoint {
   T x, y, z;
 };
 
+// NOLINTNEXTLINE(bugprone-sizeof-expression): T may be double itself
 template <class T> constexpr int skin_width = sizeof(T) / sizeof(double);
 
 /* ---------------------------------------------------------------------- */
@@ -126,6 +127,7 @@ template <class T> SKIN_INLINE SkinPoint<T> load(const double *all, const int *i
   if constexpr (skin_width<T> == 1) {
     return {a[0], a[1], a[2]};
   } else {
+    // NOLINTNEXTLINE(clang-analyzer-security.ArrayBound): i goes on in the next of four structures
     const double *b = all + 3L * i[stride];
     const double *c = all + 3L * i[2 * stride], *d = all + 3L * i[3 * stride];
     const SkinPair axy = *(const SkinPairInMemory *) a, bxy = *(const SkinPairInMemory *) b;
@@ -169,6 +171,7 @@ SKIN_INLINE SkinPoint<T> load_rows(const double *all, const int *i, int stride, 
   } else {
     SkinPair xy[4], zw[4];
     for (int k = 0; k < 4; k++) {
+      // NOLINTNEXTLINE(clang-analyzer-security.ArrayBound): the same
       const SkinPairInMemory *a = (const SkinPairInMemory *) (all + 4L * i[k * stride]);
       xy[k] = a[0];
       zw[k] = a[1];
