@@ -86,7 +86,7 @@ def rows_table(rows: Iterable[Row]) -> Text:
 CAUSES = {
     "energy": "energy", "inverted": "triangle inverted", "breaks through": "cell through membrane",
     "is unstable": "no number", "link of": "link too long", "missing": "link too long",
-    "lost": "particle lost", "istance": "pair too close",
+    "lost": "particle lost", "leaves the box": "particle lost", "istance": "pair too close",
 }  # fmt: skip
 
 
