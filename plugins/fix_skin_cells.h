@@ -35,6 +35,7 @@ class FixSkinCells : public Fix {
 
   void within_step(double);
   void forget_detached_after(double);
+  bool any_astray();
 
  private:
   enum Kind { NONE, STEM, TA, EXHAUSTED, ND, NKINDS };
@@ -90,6 +91,8 @@ class FixSkinCells : public Fix {
 
   void list_cells();
   void attach(int, const SkinNearest::Neighbor &);
+  double reach() const;
+  void lost(int, double) const;
   void pierced(int, const SkinNearest::Neighbor &, double) const;
   void pull_pair(int);
   void add_pair_force(int, int, double);

@@ -87,13 +87,7 @@ void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
   double slope = 0.0;    // du/d(stretch), times K
 
   if (bound) {
-    const double reach = comm->cutghost[0] - 2.0 * neighbor->skin;
-    if (!(r <= reach))
-      error->one(FLERR, "Fix skin/cells: {} cell {} has lost the membrane on step {}: its nearest "
-                 "membrane particle is at {} but the ghost particles reach to {}; try a smaller "
-                 "timestep than {}",
-                 kind == STEM ? "stem" : "nd", atom->tag[i], update->ntimestep, r, reach,
-                 update->dt);
+    if (!(r <= reach()) && time_offset == 0.0) lost(i, r);
     if (stretch > 0.0) {
       energy[BINDING] += 0.5 * binding_stiffness * stretch * stretch;
       slope = binding_stiffness * stretch;
@@ -109,7 +103,48 @@ void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
     }
   }
 
-  if (slope != 0.0) add_pair_force(i, closest.index, -slope / (contact * r));
+  if (slope != 0.0 && closest.index >= 0) add_pair_force(i, closest.index, -slope / (contact * r));
+}
+
+/* ----------------------------------------------------------------------
+   how far from its owner the nearest membrane particle of a cell is sure to be known
+------------------------------------------------------------------------- */
+
+double FixSkinCells::reach() const
+{
+  return comm->cutghost[0] - 2.0 * neighbor->skin;
+}
+
+/* ----------------------------------------------------------------------
+   whether any cell of any rank is lost or has pierced the membrane at the current positions
+------------------------------------------------------------------------- */
+
+bool FixSkinCells::any_astray()
+{
+  comm->forward_comm();
+
+  int mine = 0, any;
+  for (int k = 0; k < (int) cells.size() && !mine; k++) {
+    const SkinNearest::Neighbor closest =
+        nearest.nearest_candidate(k, atom->x[cells[k]], atom->x, atom->tag);
+    const int kind = kind_of(cells[k]);
+    const bool known = closest.index >= 0 && closest.distsq <= reach() * reach();
+    mine = ((kind == STEM || kind == ND) && !known) ||
+        (closest.index >= 0 && closest.distsq < core * core);
+  }
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+  return any;
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::lost(int i, double r) const
+{
+  error->one(FLERR, "Fix skin/cells: {} cell {} has lost the membrane on step {}: its nearest "
+             "membrane particle is at {} but the ghost particles reach to {}; try a smaller "
+             "timestep than {}",
+             kind_of(i) == STEM ? "stem" : "nd", atom->tag[i], update->ntimestep, r, reach(),
+             update->dt);
 }
 
 /* ----------------------------------------------------------------------

@@ -262,7 +262,8 @@ double FixSkinMotion::euler_part(double longest)
 }
 
 /* ----------------------------------------------------------------------
-   the stages of a part of a step; false, and all as before, if a particle moved too far
+   the stages of a part of a step; false, and all as before, if a particle moved too far, or if a
+   cell would end within the membrane or lose it and a shorter part may do better
 ------------------------------------------------------------------------- */
 
 bool FixSkinMotion::advance(double part, double since)
@@ -272,13 +273,18 @@ bool FixSkinMotion::advance(double part, double since)
   for (int s = 0; s < nstages; s++) {
     const Move move = stage(method.stages[s], part);
     const bool too_far = nstages > 1 && move.length > largest_move;
+    const bool divisible = nstages > 1 && 0.5 * part > SHORTEST * update->dt;
     if (too_far || std::isinf(move.length)) {
       restore_start(since - update->dt);
-      if (nstages == 1 || !(0.5 * part > SHORTEST * update->dt)) unstable(move, part);
+      if (!divisible) unstable(move, part);
       return false;
     }
-    if (s + 1 < nstages)
+    if (s + 1 < nstages) {
       evaluate_forces(since + method.stages[s].time * part - update->dt);
+    } else if (divisible && cells && cells->any_astray()) {
+      restore_start(since - update->dt);
+      return false;
+    }
   }
   return true;
 }

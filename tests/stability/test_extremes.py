@@ -181,6 +181,22 @@ def test_cell_through_the_membrane_is_named(tmp_path: Path) -> None:
     assert set(CELLS) >= {Kind.STEM}
 
 
+@pytest.mark.parametrize("push", [5.0, 50.0])
+def test_cell_that_would_pierce_divides_the_step(push: float) -> None:
+    """Pressed on a membrane that is held, a cell stays above it, in as short steps as it needs."""
+    slow = {"cells.cycle_delay": 36.0, "cells.cycle_rate": 0.083, "numerics.event_interval": 2.0}
+    long = {"numerics.timestep": 2.0, "numerics.stages": 13, "numerics.largest_move": 0.0}
+    scene = small("fast", **slow, **long)
+    cells = [(Kind.STEM, (4.0, 4.0, HEIGHT + CONTACT), 0)]
+    with Simulation(scene, configuration=place(scene, cells)) as simulation:
+        simulation.command("group sheet type membrane")
+        simulation.command("fix hold sheet setforce 0 0 0")
+        simulation.command(f"fix push cells addforce 0 0 {-push}")
+        simulation.run()
+        assert 0.5 * CONTACT < float(simulation.cells().distance[0]) < CONTACT
+        assert simulation.motion().divided > 0
+
+
 def test_what_is_no_number_is_named() -> None:
     scene = small("reference", **{"cells.stem": 0, "numerics.largest_move": 0.0})
     with Simulation(scene) as simulation:
