@@ -14,13 +14,13 @@ LEVELS: dict[str, dict[str, Any]] = {
     "reference": {},
     "balanced": {
         "integrator": "rkl1",
-        "stages": 7,
-        "timestep": 0.5,
+        "stages": 5,
+        "timestep": 0.25,
         "stiffness_limit": 100.0,
         "largest_move": 0.6,
         "pair_form": "skin",
         "event_interval": 0.5,
-        "neighbor_skin": 0.25,
+        "neighbor_skin": 0.5,
     },
     "fast": {
         "integrator": "rkl1",
@@ -36,11 +36,11 @@ LEVELS: dict[str, dict[str, Any]] = {
 
 SUMMARIES: dict[Level, str] = {
     "reference": "forward Euler with a timestep of 0.01",
-    "balanced": "Runge-Kutta-Legendre steps of 0.5; the stiffest membrane particles move slower",
+    "balanced": "Runge-Kutta-Legendre steps of 0.25; the stiffest membrane particles move slower",
     "fast": "Runge-Kutta-Legendre steps of 2",
 }
 
-TIMESTEPS = (2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)  # of which a level takes one
+TIMESTEPS = (2.0, 1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.02, 0.01)  # of which a level takes one
 MOST_TIMESTEPS = 100  # of a level, for which stages are found
 MANY = 1e9  # steps: the last one more or less does not matter
 RESOLUTION = 10  # steps and event steps in the fastest process, at least

@@ -23,9 +23,11 @@ VARIATIONS: dict[str, dict[str, Any]] = {
     "euler-0.02": {"timestep": 0.02},
     "euler-0.005": {"timestep": 0.005},
     "rkl1-1-limit": {"accuracy": "balanced", "timestep": 1.0, "stages": 11},
-    "rkl1-0.25-limit": {"accuracy": "balanced", "timestep": 0.25, "stages": 5},
+    "rkl1-0.5-limit": {
+        "accuracy": "balanced", "timestep": 0.5, "stages": 7, "neighbor_skin": 0.25,
+    },
     "rkl1-1": {"accuracy": "balanced", "timestep": 1.0, "stages": 11, "stiffness_limit": 0.0},
-    "rkl1-0.5": {"accuracy": "balanced", "stiffness_limit": 0.0},
+    "rkl1-0.5": {"accuracy": "balanced", "timestep": 0.5, "stages": 7, "stiffness_limit": 0.0},
     "rkl1-0.25": {
         "accuracy": "balanced", "timestep": 0.25, "stages": 5, "stiffness_limit": 0.0,
     },
@@ -51,7 +53,7 @@ VARIATIONS: dict[str, dict[str, Any]] = {
     "balanced-analytic": {"accuracy": "balanced", "pair_form": "analytic"},
     "balanced-events-1": {"accuracy": "balanced", "event_interval": 1.0},
     "balanced-skin-0.2": {"accuracy": "balanced", "neighbor_skin": 0.2},
-    "balanced-skin-0.5": {"accuracy": "balanced", "neighbor_skin": 0.5},
+    "balanced-skin-0.25": {"accuracy": "balanced", "neighbor_skin": 0.25},
 }  # fmt: skip
 
 
