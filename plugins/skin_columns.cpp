@@ -108,8 +108,9 @@ void SkinColumns::around(const double *boxlo, const double *boxhi, double radius
         if (c == last || apart(c + 1)) break;
       }
       const int end = first[c + 1];
-      for (int d = 0; d < 3; d++) near.x[d].insert(near.x[d].end(), &x[d][begin], &x[d][end]);
-      near.index.insert(near.index.end(), &index[begin], &index[end]);
+      for (int d = 0; d < 3; d++)
+        near.x[d].insert(near.x[d].end(), x[d].begin() + begin, x[d].begin() + end);
+      near.index.insert(near.index.end(), index.begin() + begin, index.begin() + end);
     }
   }
 }

@@ -88,7 +88,8 @@ void SkinContacts::add_column(const SkinColumns &all, int c, double furthest)
   const int begin = all.first[c], end = all.first[c + 1];
   double lo[3], hi[3];
   for (int d = 0; d < 3; d++) {
-    const auto [least, most] = std::minmax_element(&all.x[d][begin], &all.x[d][end]);
+    const double *const x = all.x[d].data();
+    const auto [least, most] = std::minmax_element(x + begin, x + end);
     lo[d] = *least;
     hi[d] = *most;
   }
