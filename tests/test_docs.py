@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from lammps_skin import parameters, potentials, terms
 from lammps_skin.accuracy import LEVELS
-from lammps_skin.build import SCRIPTS, build
+from lammps_skin.build import SCRIPTS
 from lammps_skin.cli import app
 from lammps_skin.cli.options import scene_from
 from lammps_skin.packing import FORCE_TOLERANCE, dermal_count
@@ -29,7 +29,6 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "pyscripts" / "lammps_skin"
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BY_NAME = [path.name for path in PAGES]
-SUFFIXES = {".in", ".toml", ".data", ".table"}  # of what `skin build` writes
 
 
 @cache
@@ -293,39 +292,6 @@ def test_event_log() -> None:
 def index_variables() -> list[str]:
     """Names in the scene.in of the built scene."""
     return re.findall(r"^variable +(\w+) index", text("lammps_inputs/scene.in"), re.MULTILINE)
-
-
-def words_and_numbers(path: Path) -> tuple[list[str], list[float]]:
-    """What a file says, its numbers apart."""
-    words, numbers = [], []
-    for word in path.read_text().split():
-        try:
-            numbers.append(float(word))
-        except ValueError:
-            words.append(word)
-    return words, numbers
-
-
-def test_built_directory_is_up_to_date(tmp_path: Path) -> None:
-    """`lammps_inputs` is what its scene.toml gives today.
-
-    The packing may be another, and the last digits of tables, which differ between processors.
-    """
-    shipped = ROOT / "lammps_inputs"
-    build(Scene.load(shipped / "scene.toml"), tmp_path)
-    names = {path.name for path in tmp_path.iterdir()}
-    assert names == {path.name for path in shipped.iterdir() if path.suffix in SUFFIXES}
-    tables = {name for name in names if name.endswith(".table")}
-    for name in names - tables - {"skin.data"}:
-        assert (tmp_path / name).read_text() == (shipped / name).read_text(), name
-    for name in tables:
-        (words, numbers), (old_words, old_numbers) = (
-            words_and_numbers(path / name) for path in (tmp_path, shipped)
-        )
-        assert words == old_words, name
-        np.testing.assert_allclose(numbers, old_numbers, rtol=1e-11, atol=1e-15, err_msg=name)
-    sizes = [(path / "skin.data").read_text().splitlines()[:14] for path in (tmp_path, shipped)]
-    assert sizes[0] == sizes[1]
 
 
 def test_variables_of_the_input_scripts() -> None:

@@ -66,7 +66,7 @@ def _alternating(count: int, scene: Scene) -> tuple[Floats, Floats]:
 
 
 def _cluster(count: int, scene: Scene) -> Floats:
-    """Hexagonal patch around the origin, nearest neighbours 2 R_c apart."""
+    """Hexagonal patch around the origin, nearest neighbors 2 R_c apart."""
     reach = math.isqrt(count) + 2
     row, column = (index.ravel() for index in np.mgrid[-reach : reach + 1, -reach : reach + 1])
     x, y = column + 0.5 * row, np.sqrt(3) / 2 * row

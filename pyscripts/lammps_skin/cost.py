@@ -16,7 +16,7 @@ from lammps_skin.simulation import Simulation
 
 CROWDED = 0.7  # cells per unit area of a covered membrane, with the default parameters
 EVENTS_PER_CYCLE = 3.0  # of a cell: its share in births, ends of divisions and removals
-REBUILDS_BY_MOTION = 0.15  # per time unit, divided by the neighbour skin
+REBUILDS_BY_MOTION = 0.15  # per time unit, divided by the neighbor skin
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Rates:
     particle, dermal, cell, link : float
         Seconds of a step: for every particle, and what dermal particles, cells and links add.
     rebuild : float
-        Seconds of a rebuild of the neighbour lists, for every particle.
+        Seconds of a rebuild of the neighbor lists, for every particle.
     base_memory, particle_memory : float
         Bytes of the process, and for every particle with its links.
     """
@@ -92,7 +92,7 @@ def _cells(scene: Scene, times: np.ndarray) -> np.ndarray:
 
 
 def _rebuilds(scene: Scene, cells: np.ndarray) -> np.ndarray:
-    """Rebuilds of the neighbour lists per time unit: by events, on event steps, and by motion."""
+    """Rebuilds of the neighbor lists per time unit: by events, on event steps, and by motion."""
     numerics = scene.numerics
     cycle = scene.cells.cycle_delay + 1 / scene.cells.cycle_rate
     interval = max(numerics.event_interval, numerics.timestep)

@@ -8,7 +8,7 @@ import numpy as np
 
 from lammps_skin.analysis.geometry import Floats, Ints
 
-STEPS = [(0, 1), (1, -1), (1, 0), (1, 1)]  # to half of the eight neighbours of a node
+STEPS = [(0, 1), (1, -1), (1, 0), (1, 1)]  # to half of the eight neighbors of a node
 Shift = tuple[int, int]
 
 
@@ -55,7 +55,7 @@ def peaks(height: Floats) -> Peaks:
     return Peaks(nodes, height.ravel()[nodes], saddle, joins, basin)
 
 
-def _neighbours(shape: tuple[int, ...], step: Shift) -> tuple[Ints, Ints]:
+def _neighbors(shape: tuple[int, ...], step: Shift) -> tuple[Ints, Ints]:
     """Flat index (g_x, g_y) of the node one step away, and the boxes (g_x, g_y, 2) crossed."""
     i, j = np.indices(shape)
     (box_i, i), (box_j, j) = np.divmod(i + step[0], shape[0]), np.divmod(j + step[1], shape[1])
@@ -65,13 +65,13 @@ def _neighbours(shape: tuple[int, ...], step: Shift) -> tuple[Ints, Ints]:
 def _ascend(height: Floats) -> tuple[Ints, Ints]:
     """Flat index of the maximum reached from each node, and the boxes crossed on the way.
 
-    Each step goes to the highest of the eight neighbours; the index decides between equals.
+    Each step goes to the highest of the eight neighbors; the index decides between equals.
     """
     heights = height.ravel()
     up = np.arange(height.size).reshape(height.shape)
     boxes = np.zeros((*height.shape, 2), np.int64)
     for step in STEPS + [(-x, -y) for x, y in STEPS]:
-        there, crossed = _neighbours(height.shape, step)
+        there, crossed = _neighbors(height.shape, step)
         better = (heights[there] > heights[up]) | ((heights[there] == heights[up]) & (there > up))
         up = np.where(better, there, up)
         boxes = np.where(better[..., None], crossed, boxes)
@@ -84,14 +84,14 @@ def _ascend(height: Floats) -> tuple[Ints, Ints]:
 
 
 def _passes(height: Floats, basin: Ints, boxes: Ints) -> list[tuple[float, int, int, Shift]]:
-    """Passes between neighbouring basins, highest first: height, basins a and b, boxes.
+    """Passes between neighboring basins, highest first: height, basins a and b, boxes.
 
     From the peak of a over the pass one comes to the image of the peak of b in the box that is
     `boxes` away. Of several passes between the same two images only the highest is kept.
     """
     found = []
     for step in STEPS:
-        there, crossed = _neighbours(height.shape, step)
+        there, crossed = _neighbors(height.shape, step)
         boxes_there, basin_there = boxes.reshape(-1, 2)[there], basin.ravel()[there]
         shift = crossed + boxes_there - boxes
         apart = (basin != basin_there) | shift.any(axis=-1)

@@ -119,7 +119,7 @@ def _numerics(scene: Scene) -> Iterator[tuple[str, ...]]:
     yield "events handled every", f"{numerics.event_interval:g}"
     yield "pair terms", numerics.pair_form
     yield "tables", f"{numerics.table_style}, {numerics.table_points:,} points"
-    yield "neighbour skin", f"{numerics.neighbor_skin:g}"
+    yield "neighbor skin", f"{numerics.neighbor_skin:g}"
     yield (
         "thermo, trajectory, restart every",
         f"{output.thermo_interval:g}, {output.dump_interval:g}, {output.checkpoint_interval:g}",
@@ -141,5 +141,5 @@ def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
 def _savings(found: list[Saving]) -> Iterator[tuple[str, ...]]:
     for saving in found:
         keys = ", ".join(f"{key} = {str(value).lower()}" for key, value in saving.changes.items())
-        measure = "" if math.isnan(saving.time) else f"x {saving.time:.2f}"
+        measure = "see --savings" if math.isnan(saving.time) else f"x {saving.time:.2f}"
         yield saving.name, keys, saving.risk, measure
