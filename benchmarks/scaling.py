@@ -134,13 +134,11 @@ def sizes(run: Path, steps: int, rounds: int) -> None:
             running[copies] = stack.enter_context(Simulation(whole, configuration=state))
         for turn in range(rounds + 1):
             for copies, simulation in running.items():
-                timestep = simulation.scene.numerics.timestep
-                length = max(steps * (TILES[-1] // copies) // 2, 2)
-                until = simulation.time + length * timestep
+                until = simulation.time + steps * simulation.scene.numerics.timestep
                 began = time.thread_time()
                 simulation.run(until=until)
                 if turn:  # the first sets up
-                    spent[copies].append((time.thread_time() - began) / length)
+                    spent[copies].append((time.thread_time() - began) / steps)
     write("sizes", (
         {"copies": copies**2, "turn": turn, "particles": particles[copies][0],
          "cells": particles[copies][1], "seconds_per_step": f"{seconds:.6g}"}

@@ -30,12 +30,11 @@ from numpy.typing import NDArray
 from scipy import optimize, stats
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
-REACH = 4.27  # of ghost particles, as the inputs of these scenes have it (ghost_cutoff)
+REACH = 4.42  # of ghost particles, as the inputs of these scenes have it (ghost_cutoff)
 SPACING = 0.5
 LATTICE = (50, 58)  # of a tile
 
-# bytes of a ghost particle, in one direction: positions and forces of three numbers of 8 bytes
-EVALUATION = 24 + 24
+# bytes of a ghost particle, in one direction
 PART = 8  # stiffness, once in a part of a step
 EVENT = 88  # bytes of an event, gathered on all ranks
 BORDER = 56  # position, id, type, mask and molecule, at a rebuild
@@ -135,7 +134,7 @@ def constants(
 
 def compare_counts(density: float, evaluations: int, rebuilds: float) -> float:
     """Print bytes counted beside those of the formula; returns bytes of a ghost in a step."""
-    forwards = evaluations - rebuilds  # a rebuild sends borders instead of positions
+    forwards = evaluations + 1  # one more to test where cells are, or before events
     per_ghost = 24 * forwards + 24 * evaluations + PART + BORDER * rebuilds
     print(f"\nbytes of a ghost particle in a step: {per_ghost:.0f}\n")
     print("| grid | ghosts, LAMMPS | ghosts, formula | bytes, counted | bytes, formula |")
@@ -183,9 +182,9 @@ def main() -> None:
     parser.add_argument("--latency", type=float, default=2e-6, help="seconds of a message")
     parser.add_argument("--bandwidth", type=float, default=1e10, help="bytes in a second")
     parser.add_argument("--event", type=float, default=2e-6, help="seconds of an event on a rank")
-    parser.add_argument("--events", type=float, default=0.0022, help="per step and particle")
-    parser.add_argument("--evaluations", type=int, default=7, help="in a step of these scenes")
-    parser.add_argument("--rebuilds", type=float, default=1.0, help="in a step of these scenes")
+    parser.add_argument("--events", type=float, default=0.0011, help="per step and particle")
+    parser.add_argument("--evaluations", type=int, default=5, help="in a step of these scenes")
+    parser.add_argument("--rebuilds", type=float, default=0.5, help="in a step of these scenes")
     options = parser.parse_args()
 
     particles, seconds = sizes()

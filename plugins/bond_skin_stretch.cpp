@@ -118,12 +118,20 @@ template <class LINKS>
 SKIN_INLINE double pull_all(const std::vector<LINKS> &all, const double *x, const double *coeff,
                             double *f)
 {
+  constexpr int AHEAD = 16;
   const LINKS *const links = all.data();
   const int n = (int) all.size();
   SkinQuad four_beyond = {};
   double beyond = 0.0;
   int k = 0;
-  for (; k + 4 <= n; k += 4) pull(links + k, x, coeff, f, four_beyond);
+  for (; k + 4 <= n; k += 4) {
+    const LINKS *const later = links + smaller(k + AHEAD, n - 4);
+    for (int m = 0; m < 4; m++) {
+      fetch(x, later[m][0]);
+      fetch(f, later[m][0]);
+    }
+    pull(links + k, x, coeff, f, four_beyond);
+  }
   for (; k < n; k++) pull(links + k, x, coeff, f, beyond);
   return beyond + sum(four_beyond);
 }

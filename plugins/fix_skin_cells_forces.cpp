@@ -32,7 +32,7 @@ void FixSkinCells::pre_reverse(int /*eflag*/, int vflag)
   for (int k = 0; k < (int) cells.size(); k++) {
     const int i = cells[k];
     const SkinNearest::Neighbor closest =
-        nearest.nearest_candidate(k, atom->x[i], atom->x, atom->tag);
+        nearest.nearest_candidate(k, atom->x[i], atom->x[0], atom->tag);
     attach(i, closest);
     if (state.pair[i]) pull_pair(i);
     write_row(i, closest);
@@ -126,7 +126,7 @@ bool FixSkinCells::any_astray()
   int mine = 0, any;
   for (int k = 0; k < (int) cells.size() && !mine; k++) {
     const SkinNearest::Neighbor closest =
-        nearest.nearest_candidate(k, atom->x[cells[k]], atom->x, atom->tag);
+        nearest.nearest_candidate(k, atom->x[cells[k]], atom->x[0], atom->tag);
     const int kind = kind_of(cells[k]);
     const bool known = closest.index >= 0 && closest.distsq <= reach() * reach();
     mine = ((kind == STEM || kind == ND) && !known) ||

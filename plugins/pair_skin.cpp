@@ -132,7 +132,7 @@ void PairSkin::check_overlap() const
 
 double PairSkin::phi(double x)
 {
-  const double six = std::pow(x, -6.0);
+  const double inverse = 1.0 / (x * x), six = inverse * inverse * inverse;
   return six * six / 12.0 - six / 6.0;
 }
 

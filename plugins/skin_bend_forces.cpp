@@ -11,6 +11,10 @@ using namespace LAMMPS_NS;
 static constexpr int TRIANGLE = sizeof(SkinTriangle) / sizeof(int);
 static constexpr int PAIR = 2 * TRIANGLE;
 
+// triangles, and pairs of them, for which memory is asked for ahead
+
+static constexpr int AHEAD = 16;
+
 /* ----------------------------------------------------------------------
    normals of one triangle or of four; adds to without what have none
 ------------------------------------------------------------------------- */
@@ -36,7 +40,11 @@ SKIN_INLINE double all_normals(const std::vector<SkinTriangle> &triangles, int b
   SkinQuad four_without = {};
   double without = 0.0;
   int t = begin;
-  for (; t + 4 <= end; t += 4) normals_of(all + t, x, normal + 4 * t, four_without);
+  for (; t + 4 <= end; t += 4) {
+    const SkinTriangle *const later = all + smaller(t + AHEAD, end - 4);
+    for (int m = 0; m < 4; m++) fetch(x, later[m].corner[0]);
+    normals_of(all + t, x, normal + 4 * t, four_without);
+  }
   for (; t < end; t++) normals_of(all + t, x, normal + 4 * t, without);
   return without + sum(four_without);
 }
@@ -130,8 +138,15 @@ SKIN_INLINE double bend_pairs(const std::vector<SkinTriangle> &triangles, int be
   SkinQuad four_inverted = {};
   double inverted = 0.0;
   int k = begin;
-  for (; k + 4 <= end; k += 4)
+  for (; k + 4 <= end; k += 4) {
+    const SkinTriangle *const later = all + 2 * smaller(k + AHEAD, end - 4);
+    for (int m = 0; m < 8; m++) {
+      fetch_row(normal, later[m].across[1]);
+      fetch_row(normal, later[m].across[2]);
+      fetch(f, later[m].corner[0]);
+    }
     bend_pair<SkinQuad, ONE_TYPE>(all + 2 * k, x, stiffness, normal, least, f, four_inverted);
+  }
   for (; k < end; k++)
     bend_pair<double, ONE_TYPE>(all + 2 * k, x, stiffness, normal, least, f, inverted);
   return inverted + sum(four_inverted);

@@ -1,5 +1,8 @@
 #include "skin_nearest.h"
 
+#include "skin_quad.h"
+#include "skin_vector.h"
+
 #include "atom.h"
 
 #include <algorithm>
@@ -92,20 +95,50 @@ void SkinNearest::add_candidates(const double *point, double margin)
   first_candidate.push_back((int) candidates.size());
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   squared distances of a point to the particles of a list; returns the least
+------------------------------------------------------------------------- */
+
+SKIN_VECTOR static double distances_squared(const int *list, int n, const double *point,
+                                            const double *x, double *distsq)
+{
+  const SkinQuad zero = {};
+  const SkinPoint<SkinQuad> four_points = {zero + point[0], zero + point[1], zero + point[2]};
+  SkinQuad four_least = zero + INFINITY;
+  double least = INFINITY;
+  int k = 0;
+  for (; k + 4 <= n; k += 4) {
+    const SkinPoint<SkinQuad> d = load<SkinQuad>(x, list + k, 1) - four_points;
+    const SkinQuad rsq = dot(d, d);
+    for (int m = 0; m < 4; m++) distsq[k + m] = rsq[m];
+    four_least = smaller(four_least, rsq);
+  }
+  for (; k < n; k++) {
+    const SkinPoint<double> one_point = {point[0], point[1], point[2]};
+    const SkinPoint<double> d = load<double>(x, list + k, 1) - one_point;
+    distsq[k] = dot(d, d);
+    least = smaller(least, distsq[k]);
+  }
+  for (int m = 0; m < 4; m++) least = smaller(least, four_least[m]);
+  return least;
+}
+
+/* ----------------------------------------------------------------------
+   of equally near ones that of the lowest ID
+------------------------------------------------------------------------- */
 
 SkinNearest::Neighbor SkinNearest::nearest_candidate(int list, const double *point,
-                                                     const double *const *x,
-                                                     const tagint *tag) const
+                                                     const double *x, const tagint *tag)
 {
-  Neighbor best = {-1, 0.0};
-  for (int k = first_candidate[list]; k < first_candidate[list + 1]; k++) {
-    const int j = candidates[k];
-    const double dx = x[j][0] - point[0], dy = x[j][1] - point[1], dz = x[j][2] - point[2];
-    const double rsq = dx * dx + dy * dy + dz * dz;
-    if (best.index < 0 || rsq < best.distsq || (rsq == best.distsq && tag[j] < tag[best.index]))
-      best = {j, rsq};
-  }
+  const int *const mine = candidates.data() + first_candidate[list];
+  const int n = first_candidate[list + 1] - first_candidate[list];
+  if (n == 0) return {-1, 0.0};
+
+  if ((int) distsq.size() < n) distsq.resize(2 * (size_t) n);
+  Neighbor best = {-1, distances_squared(mine, n, point, x, distsq.data())};
+  for (int k = 0; k < n; k++)
+    if (distsq[k] == best.distsq && (best.index < 0 || tag[mine[k]] < tag[best.index]))
+      best.index = mine[k];
   return best;
 }
 
@@ -114,5 +147,6 @@ SkinNearest::Neighbor SkinNearest::nearest_candidate(int list, const double *poi
 double SkinNearest::memory_usage() const
 {
   return columns.memory_usage() + near.memory_usage() +
+      (double) distsq.capacity() * sizeof(double) +
       (double) (candidates.capacity() + first_candidate.capacity()) * sizeof(int);
 }

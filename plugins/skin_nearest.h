@@ -28,8 +28,7 @@ class SkinNearest {
 
   void clear_candidates();
   void add_candidates(const double *point, double margin);
-  Neighbor nearest_candidate(int list, const double *point, const double *const *x,
-                             const tagint *tag) const;
+  Neighbor nearest_candidate(int list, const double *point, const double *x, const tagint *tag);
 
   double memory_usage() const;
 
@@ -37,6 +36,7 @@ class SkinNearest {
   SkinColumns columns;
   SkinSurroundings near;
   std::vector<int> candidates, first_candidate;
+  std::vector<double> distsq;    // of the candidates of the last call
 
   void search_column(int ix, int iy, const double *point, Neighbor &best, tagint &best_tag) const;
 };

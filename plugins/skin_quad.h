@@ -138,6 +138,13 @@ template <class T> SKIN_INLINE SkinPoint<T> load(const double *all, const int *i
   }
 }
 
+// ask for a vector from memory, some time before it is needed
+
+SKIN_INLINE void fetch(const double *all, int i)
+{
+  __builtin_prefetch(all + 3L * i);
+}
+
 SKIN_INLINE void add(double *all, const int *i, int, const SkinPoint<double> &p)
 {
   double *a = all + 3L * i[0];
@@ -182,6 +189,11 @@ SKIN_INLINE SkinPoint<T> load_rows(const double *all, const int *i, int stride, 
     return {quad<0, 4, 2, 6>(acxy, bdxy), quad<1, 5, 3, 7>(acxy, bdxy),
             quad<0, 4, 2, 6>(aczw, bdzw)};
   }
+}
+
+SKIN_INLINE void fetch_row(const double *all, int i)
+{
+  __builtin_prefetch(all + 4L * i);
 }
 
 SKIN_INLINE void store_rows(double *rows, const SkinPoint<double> &p, double w)

@@ -6,6 +6,7 @@
 #include "skin_quad.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -30,19 +31,27 @@ SKIN_INLINE void skin_pull_two(const SkinTwo *two, const POTENTIAL &potential, c
 }
 
 /* ----------------------------------------------------------------------
-   returns the least of the squared distances
+   returns the least of the squared distances. The first of pairs stays the same for some while,
+   the second is anywhere
 ------------------------------------------------------------------------- */
 
 template <class POTENTIAL>
 SKIN_INLINE double skin_pull(const std::vector<SkinTwo> &all, const POTENTIAL &potential,
                              const double *x, double *f)
 {
+  constexpr int AHEAD = 32;
   const int n = (int) all.size();
   double least = INFINITY;
   SkinQuad four_least = SkinQuad{} + least;
   int k = 0;
-  for (; k + 4 <= n; k += 4)
+  for (; k + 4 <= n; k += 4) {
+    const SkinTwo *const later = all.data() + smaller(k + AHEAD, n - 4);
+    for (int m = 0; m < 4; m++) {
+      fetch(x, later[m][1]);
+      fetch(f, later[m][1]);
+    }
     skin_pull_two<POTENTIAL, SkinQuad>(all.data() + k, potential, x, f, four_least);
+  }
   for (; k < n; k++) skin_pull_two<POTENTIAL, double>(all.data() + k, potential, x, f, least);
   for (int m = 0; m < 4; m++) least = smaller(least, four_least[m]);
   return least;
