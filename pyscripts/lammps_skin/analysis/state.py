@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -132,7 +133,7 @@ class State:
         return tip_fraction(self.on_tip[mine], self.on_tip[theirs])
 
 
-class StateAnalysis(AnalysisBase):  # type: ignore[misc]
+class StateAnalysis(AnalysisBase, ABC):  # type: ignore[misc]
     """Base of analyses of a universe of `open_trajectory`: one `State` for every frame.
 
     A subclass says in `_measure` what it wants of a state, as a tuple of numbers or arrays of
@@ -176,8 +177,9 @@ class StateAnalysis(AnalysisBase):  # type: ignore[misc]
         state = self._state(self._ts)
         self._rows.append((state.time, *self._measure(state)))
 
+    @abstractmethod
     def _measure(self, state: State) -> tuple[Any, ...]:
-        raise NotImplementedError
+        """Values of the columns after the time."""
 
     def _conclude(self) -> None:
         names = ("time", *self.columns)
