@@ -103,8 +103,7 @@ void FixSkinCells::init()
   MPI_Allreduce(&highest, &highest_all, 1, MPI_LMP_TAGINT, MPI_MAX, world);
   next_id = std::max(next_id, (bigint) highest_all + 1);
 
-  if (log_position >= 0) log.resume(log_position);
-  else log.open();
+  log.open(log_position);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -230,6 +229,7 @@ void FixSkinCells::setup(int /*vflag*/)
 
 void FixSkinCells::end_of_step()
 {
+  log.begin();
   if ((update->ntimestep + 1) % every == 0) plan_events(update->ntimestep + 1);
 }
 

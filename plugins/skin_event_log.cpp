@@ -4,7 +4,9 @@
 #include "error.h"
 #include "utils.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <sys/file.h>
 #include <unistd.h>
 
 using namespace LAMMPS_NS;
@@ -22,33 +24,45 @@ SkinEventLog::~SkinEventLog()
 
 /* ---------------------------------------------------------------------- */
 
-void SkinEventLog::open()
+void SkinEventLog::open(bigint position)
 {
   if (comm->me != 0 || filename.empty() || fp) return;
-  fp = fopen(filename.c_str(), "w");
-  check(fp && fputs(HEADER, fp) >= 0, "create");
-  flush();
+
+  // without the earlier part of the log, the rest of it is still worth having
+
+  const bool missing = access(filename.c_str(), F_OK) != 0;
+  start = missing ? -1 : position;
+  fp = fopen(filename.c_str(), "a");
+  check(fp, missing ? "create" : "continue");
+  lock();
+  check(fseek(fp, 0, SEEK_END) == 0, "continue");
+  if (ftell(fp) < start)
+    error->one(FLERR, "Fix skin/cells: the event log {} has {} bytes, but the restart file "
+               "continues it at byte {}: it is not the log of this run",
+               filename, ftell(fp), start);
+  if (missing) begin();
+}
+
+/* ----------------------------------------------------------------------
+   until this process ends or closes the log; a file system without locks does without
+------------------------------------------------------------------------- */
+
+void SkinEventLog::lock()
+{
+  if (flock(fileno(fp), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    error->one(FLERR, "Fix skin/cells: another simulation writes the event log {}", filename);
 }
 
 /* ---------------------------------------------------------------------- */
 
-void SkinEventLog::resume(bigint position)
+void SkinEventLog::begin()
 {
-  if (comm->me != 0 || filename.empty() || fp) return;
-  fp = fopen(filename.c_str(), "r+");
-
-  // without the earlier part of the log, the rest of it is still worth having
-
-  if (!fp && errno == ENOENT) {
-    open();
-    return;
-  }
-  check(fp && fseek(fp, 0, SEEK_END) == 0, "continue");
-  if (ftell(fp) < position)
-    error->one(FLERR, "Fix skin/cells: the event log {} has {} bytes, but the restart file "
-               "continues it at byte {}: it is not the log of this run",
-               filename, ftell(fp), position);
-  check(ftruncate(fileno(fp), position) == 0 && fseek(fp, 0, SEEK_END) == 0, "continue");
+  if (!fp || begun) return;
+  begun = true;
+  const bigint length = std::max(start, (bigint) 0);
+  check(ftruncate(fileno(fp), length) == 0 && fseek(fp, 0, SEEK_END) == 0, "continue");
+  if (start < 0) check(fputs(HEADER, fp) >= 0, "write");
+  flush();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -57,6 +71,7 @@ void SkinEventLog::write(double time, const char *kind, tagint id, tagint parent
                          const double *x, int divisions_left, const char *cause)
 {
   if (!fp) return;
+  begin();
   check(fprintf(fp, "%.10g,%s,%d,%d,%d,%.10g,%.10g,%.10g,%d,%s\n", time, kind, (int) id,
                 (int) parent, type, x[0], x[1], x[2], divisions_left, cause) > 0,
         "write");
@@ -74,6 +89,7 @@ void SkinEventLog::flush()
 bigint SkinEventLog::sync()
 {
   if (!fp) return -1;
+  begin();
   flush();
   check(fsync(fileno(fp)) == 0, "write");
   return ftell(fp);

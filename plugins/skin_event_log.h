@@ -11,15 +11,18 @@ namespace LAMMPS_NS {
 
 class SkinEventLog : protected Pointers {
  public:
-  explicit SkinEventLog(class LAMMPS *lmp) : Pointers(lmp), fp(nullptr) {}
+  explicit SkinEventLog(class LAMMPS *lmp) : Pointers(lmp), fp(nullptr), start(-1), begun(false) {}
   ~SkinEventLog() override;
 
   void set_file(const char *name) { filename = name; }
 
-  // start a new file, or continue one after cutting off what follows the restart file's position
+  // take the file, which no other process may have; it stays as it is until begin()
 
-  void open();
-  void resume(bigint position);
+  void open(bigint position);
+
+  // cut off what follows the restart file's position, all of it if that is negative
+
+  void begin();
 
   void write(double time, const char *kind, tagint id, tagint parent, int type, const double *x,
              int divisions_left, const char *cause);
@@ -35,7 +38,10 @@ class SkinEventLog : protected Pointers {
  private:
   std::string filename;
   FILE *fp;
+  bigint start;    // length that it has at the beginning of the run
+  bool begun;
 
+  void lock();
   void check(bool ok, const char *action);
 };
 

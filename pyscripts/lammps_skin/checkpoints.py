@@ -6,7 +6,9 @@ import hashlib
 import json
 import os
 import struct
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from datetime import datetime
@@ -17,16 +19,25 @@ from typing import Any, NamedTuple
 from lammps_skin.build import SCENE_FILE, SCRIPTS
 from lammps_skin.engine import hold
 from lammps_skin.errors import SimulationError, SkinError
+from lammps_skin.results import EVENTS, LOG, MANIFEST, RESTARTS, holds_results
 from lammps_skin.scene import Scene
 from lammps_skin.trajectory.recorder import interval, steps_between
 from lammps_skin.trajectory.store import STORE
 
-MANIFEST = "checkpoints.json"
-RESTARTS = "skin.*.restart"
 PART = "skin.step*.restart.part"  # while LAMMPS writes it; LAMMPS puts the step for the star
 KEPT = 3
 PATIENCE = 10.0  # seconds for the ranks of a killed run to end
-EVENTS, DATA = "events.csv", "skin.data"
+DATA = "skin.data"
+TRIAL = """
+import sys
+from lammps_skin.errors import SkinError
+from lammps_skin.simulation import Simulation
+try:
+    Simulation(None, sys.argv[1], variables={"restart": sys.argv[2]}).close()
+except SkinError as error:
+    sys.exit(str(error).partition(" (starting")[0])
+"""
+LONGEST_TRIAL = 600.0  # seconds
 MAGIC = b"LammpS RestartT\0"  # how a restart file begins and ends
 
 
@@ -148,6 +159,7 @@ class Checkpoints:
             "variables": {k: v for k, v in self._variables.items() if k != "restart"},
             "checkpoints": self._kept,
         }
+        content["hash"] = content_hash(content)
         part = path.with_name(f"{MANIFEST}.part")
         part.write_text(json.dumps(content, indent=1, default=str) + "\n", "utf-8")
         _sync(part)
@@ -170,8 +182,8 @@ def find_resumption(directory: Path) -> Resumption:
     """The newest good checkpoint of a run, by its step.
 
     A checkpoint is good if its restart file and the event log up to it are what they were when it
-    was made. Of a restart file that plain `lmp` wrote, begin and end are checked. A run that
-    ended before its first checkpoint begins again.
+    was made. A restart file of which no hash is known, as those that plain `lmp` writes, is read
+    by another process first. A run that ended before its first checkpoint begins again.
 
     Raises
     ------
@@ -186,18 +198,22 @@ def find_resumption(directory: Path) -> Resumption:
     listed = {_name(entry): entry for entry in manifest.get("checkpoints", [])}
     paths = sorted(directory.glob(RESTARTS), key=_step_of, reverse=True)
     for path in paths:
-        fault = _fault(directory, listed.get(path.name)) or _fault_of_form(path)
+        entry = listed.get(path.name)
+        fault = _fault(directory, entry) or _fault_of_form(path)
         if fault is None:
             _check_inputs(directory, manifest, set())
+            fault = None if entry else _fault_of_content(directory, path)
+        if fault is None:
             return Resumption(path.name, manifest.get("variables", {}), notes)
         notes.append(f"checkpoint {path}: {fault}")
     if paths:
         raise SimulationError(f"directory {directory}: has no good checkpoint; " + "; ".join(notes))
-    if listed or not manifest:
+    began = "inputs" in manifest or ((directory / LOG).exists() and not holds_results(directory))
+    if listed or not began:
         raise SimulationError(f"directory {directory}: holds no checkpoint to resume from")
     _check_inputs(directory, manifest, {DATA})
     notes.append("the run ended before its first checkpoint, and begins again")
-    return Resumption(None, manifest["variables"], notes)
+    return Resumption(None, manifest.get("variables", {}), notes)
 
 
 def wait_for_others(directory: Path) -> None:
@@ -205,6 +221,8 @@ def wait_for_others(directory: Path) -> None:
 
     Raises `SimulationError` if one goes on.
     """
+    if not directory.exists():
+        return
     deadline = time.monotonic() + PATIENCE
     while True:
         try:
@@ -259,6 +277,24 @@ def _fault_of_form(path: Path) -> str | None:
     return None
 
 
+def _fault_of_content(directory: Path, path: Path) -> str | None:
+    """What is wrong with a restart file, from a simulation elsewhere that begins with it.
+
+    It may crash, or never end, which is why it is another process.
+    """
+    with tempfile.TemporaryDirectory(prefix="skin-") as copy:
+        for name in [*_inputs(directory), path.name]:
+            (Path(copy) / name).symlink_to((directory / name).resolve())
+        command = [sys.executable, "-c", TRIAL, copy, path.name]
+        try:
+            trial = subprocess.run(command, capture_output=True, timeout=LONGEST_TRIAL, text=True)
+        except subprocess.TimeoutExpired:
+            return "is damaged"
+    if trial.returncode == 0:
+        return None
+    return f"cannot be read: {trial.stderr.strip()}" if trial.returncode == 1 else "is damaged"
+
+
 def _step_of(path: Path) -> int:
     """Step of a restart file: in the names that we give, else in the file.
 
@@ -306,14 +342,18 @@ def _read_manifest(directory: Path) -> dict[str, Any] | None:
     path = directory / MANIFEST
     try:
         manifest: dict[str, Any] = json.loads(path.read_text("utf-8"))
-        for entry in manifest["checkpoints"]:
-            entry["step"], entry["files"].items()
-        manifest["inputs"].items(), manifest["variables"].items()
+        whole = manifest.pop("hash") == content_hash(manifest)
     except FileNotFoundError:
         return {}
-    except (ValueError, KeyError, TypeError, AttributeError):
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
-    return manifest
+    return manifest if whole else None
+
+
+def content_hash(content: Mapping[str, Any]) -> str:
+    """Hash of what checkpoints.json says; stands in it, too."""
+    text = json.dumps(content, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _length_and_hash(path: Path, length: int | None = None) -> tuple[int, str]:

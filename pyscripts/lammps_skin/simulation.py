@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -16,6 +18,7 @@ from lammps_skin.engine import FIX_TERMS, Cells, Engine, Floats, Forces, Ints, M
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.interruption import Interruption
 from lammps_skin.ranks import RankedEngine
+from lammps_skin.results import holds_results
 from lammps_skin.scene import Scene
 from lammps_skin.terms import pair_terms
 from lammps_skin.trajectory.recorder import Recorder, set_aside_if_damaged
@@ -39,6 +42,8 @@ class Simulation:
         MPI ranks, and OpenMP threads of each.
     variables : mapping, optional
         Overrides of variables of scene.in, as ``-var`` on the command line.
+    replace : bool
+        Whether the results of an earlier run in `directory` may be replaced.
 
     Attributes
     ----------
@@ -54,7 +59,7 @@ class Simulation:
     SceneError, ConfigurationError
         For what cannot be built.
     SimulationError
-        When LAMMPS stops.
+        When LAMMPS stops, another process runs in the directory, or it holds results of a run.
 
     Examples
     --------
@@ -71,12 +76,20 @@ class Simulation:
         ranks: int = 1,
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
+        replace: bool = False,
     ) -> None:
         if isinstance(scene, (str, Path)):
             scene = Scene.load(scene)
         self._temporary = None if directory else tempfile.TemporaryDirectory(prefix="skin-")
         self.directory = Path(directory or self._temporary.name).resolve()  # type: ignore[union-attr]
         check_run(self.directory, ranks, threads)
+        wait_for_others(self.directory)
+        begins = "restart" not in (variables or {})
+        if begins and not replace and holds_results(self.directory):
+            raise SimulationError(
+                f"directory {self.directory}: holds results of a run; Simulation.resume goes on "
+                "with it, replace=True replaces them"
+            )
         if scene is None:
             self.scene = load_built(self.directory)
             check_places(self.directory / "skin.data")
@@ -120,7 +133,9 @@ class Simulation:
         damaged = set_aside_if_damaged(directory) if restart else None
         if restart:
             variables = {**variables, "restart": restart}
-        simulation = cls(None, directory, ranks=ranks, threads=threads, variables=variables)
+        simulation = cls(
+            None, directory, ranks=ranks, threads=threads, variables=variables, replace=True
+        )
         simulation.notes += [*notes, *([damaged] if damaged else [])]
         return simulation
 
@@ -257,6 +272,8 @@ def remedy(error: str, timestep: float) -> str:
     """What to change after an error of a run."""
     if "leaves the box" in error:
         return "a tissue that moves needs more room: try other membrane.height and box_height"
+    if any(os.strerror(full) in error for full in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)):
+        return "make room for its files, and resume the run"
     return f"numerics.timestep = {timestep:g}; try {timestep / 2:g}"
 
 

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 import pytest
 from lammps_skin.build import build
-from lammps_skin.checkpoints import find_resumption
+from lammps_skin.checkpoints import content_hash, find_resumption
 from lammps_skin.errors import SkinError
 from lammps_skin.simulation import Simulation
 from lammps_skin.trajectory.store import Store
@@ -151,6 +151,38 @@ def test_the_list_is_damaged(run: Path, undisturbed: Outcome) -> None:
     assert len(json.loads((run / "checkpoints.json").read_text())["checkpoints"]) == 3
 
 
+def test_any_bit_of_the_list_is_damaged(run: Path) -> None:
+    """The files that it lists are not blamed."""
+    path = run / "checkpoints.json"
+    content, draw = path.read_bytes(), np.random.default_rng(4)
+    for bit in draw.integers(0, 8 * len(content), 30):
+        changed = bytearray(content)
+        changed[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(changed)
+        assert find_resumption(run).notes == [
+            f"checkpoints {path}: is damaged; hashes are not compared"
+        ]
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, "3", "[]", "{}", '{"hash": null}', "\0"])
+def test_the_list_is_another_text(text: str, run: Path) -> None:
+    (run / "checkpoints.json").write_text(text)
+    assert find_resumption(run).restart == newest(run).name
+
+
+def test_a_restart_file_without_a_hash_is_read_elsewhere_first(run: Path) -> None:
+    """LAMMPS crashes on some of these: then the one before is taken."""
+    (run / "checkpoints.json").unlink()
+    content, draw = newest(run).read_bytes(), np.random.default_rng(4)
+    passed_over = 0
+    for bit in draw.integers(8 * 16, 8 * 900, 12):
+        changed = bytearray(content)
+        changed[bit // 8] ^= 1 << bit % 8
+        newest(run).write_bytes(changed)
+        passed_over += find_resumption(run).restart == "skin.step200.restart"
+    assert passed_over > 0
+
+
 def test_another_version_of_the_plugin(run: Path) -> None:
     """Its own number of the form stands before what it stores: 2 of them, as a double."""
     content = newest(run).read_bytes()
@@ -160,8 +192,9 @@ def test_another_version_of_the_plugin(run: Path) -> None:
     changed = content[:place] + (form + 1).tobytes() + content[place + 8 :]
     newest(run).write_bytes(changed)
     (run / "checkpoints.json").unlink()
-    with pytest.raises(SkinError, match="was written by another version of this fix"):
-        Simulation.resume(run)
+    found = find_resumption(run)
+    assert found.restart == "skin.step200.restart"
+    assert "was written by another version of this fix" in found.notes[0]
 
 
 # ---- what else a run is made of
@@ -179,8 +212,10 @@ def test_the_data_file_counts_where_a_run_begins(run: Path, undisturbed: Outcome
     assert find_resumption(run).restart == newest(run).name
     for step in KEPT:
         (run / f"skin.step{step}.restart").unlink()
-    listed = json.loads((run / "checkpoints.json").read_text())
-    (run / "checkpoints.json").write_text(json.dumps({**listed, "checkpoints": []}))
+    listed = {**json.loads((run / "checkpoints.json").read_text()), "checkpoints": []}
+    del listed["hash"]
+    listed["hash"] = content_hash(listed)
+    (run / "checkpoints.json").write_text(json.dumps(listed))
     with pytest.raises(SkinError, match=r"input .*skin\.data: is not what it was"):
         Simulation.resume(run)
     flip(run / "skin.data")

@@ -174,6 +174,13 @@ def test_ranks_may_outlive_a_killed_run(built: Path, undisturbed: Outcome) -> No
     assert_close(ended, undisturbed)
 
 
+def test_a_run_that_died_at_once_begins_again(built: Path, undisturbed: Outcome) -> None:
+    """Before its first step it has made a log, and an event log without events."""
+    Simulation(None, built).close()
+    assert (built / "events.csv").read_text().count("\n") == 1
+    assert_same(finish(built), undisturbed)
+
+
 def test_a_run_that_goes_on_is_left_alone(
     halfway: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

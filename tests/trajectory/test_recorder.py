@@ -121,7 +121,7 @@ def test_recording_changes_nothing(run, tmp_path, ranks, every):
 def test_a_new_run_replaces_the_results_of_another(run, built):
     for name in ("skin.h5", "skin.dump", "skin.h5.next"):
         shutil.copy(run.directory / "skin.dump", built / name)
-    with Simulation(run.scene, built, high_cells(run.scene)) as simulation:
+    with Simulation(run.scene, built, high_cells(run.scene), replace=True) as simulation:
         simulation.run(until=0.5)
     assert Store(built / "skin.h5").steps.tolist() == [0, 50]
     assert {path.name for path in built.glob("skin.*")} == {"skin.h5", "skin.data", "skin.in"}

@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 
 from lammps_skin.errors import SceneError
+from lammps_skin.results import holds_results
 from lammps_skin.scene import Scene
 
 # nothing that a user gave is markup, and nothing is wrapped
@@ -29,12 +30,10 @@ Settings = Annotated[
     ),
 ]
 
-RESULTS = ("events.csv", "skin.h5", "skin.dump")
-
 
 def keep_results(directory: Path, remedy: str) -> None:
     """Raise `SceneError` if a directory holds results of a run."""
-    if any((directory / name).exists() for name in RESULTS):
+    if holds_results(directory):
         raise SceneError(f"directory {directory}: holds results of a run; {remedy}")
 
 

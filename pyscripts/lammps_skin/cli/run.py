@@ -10,11 +10,12 @@ from typing import Annotated
 import typer
 
 from lammps_skin.build import load_built
-from lammps_skin.checkpoints import MANIFEST, RESTARTS
+from lammps_skin.checkpoints import wait_for_others
 from lammps_skin.cli.journey import Journey
-from lammps_skin.cli.options import RESULTS, Parameters, Settings, console, keep_results, scene_from
+from lammps_skin.cli.options import Parameters, Settings, console, keep_results, scene_from
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError, SimulationError
+from lammps_skin.results import RESTARTS, replaced_results
 from lammps_skin.scene import Scene
 from lammps_skin.scenes import BUILT_IN
 from lammps_skin.simulation import Simulation, check_run, start_time
@@ -65,14 +66,15 @@ def _begun(
     scene: Scene | None, directory: Path, ranks: int, threads: int, until: float | None, force: bool
 ) -> Simulation:
     """The simulation of a scene, from its initial state."""
+    wait_for_others(directory)
     if not force:
         keep_results(directory, "--resume goes on with it, --force replaces them")
     if until is not None:
         scene = _shortened(scene, directory, until)
     with console.status("building"):
         configuration = Configuration.from_scene(scene) if scene else None
-        _remove_results(directory)
-        return Simulation(scene, directory, configuration, ranks, threads)
+        with replaced_results(directory):
+            return Simulation(scene, directory, configuration, ranks, threads)
 
 
 def _resumed(directory: Path, ranks: int, threads: int, until: float | None) -> Simulation:
@@ -137,12 +139,6 @@ def _what_and_where(
             )
     load_built(Path(source))
     return None, Path(source)
-
-
-def _remove_results(directory: Path) -> None:
-    for pattern in (*FILES, *RESULTS, MANIFEST, RESTARTS, "skin.h5.*"):
-        for path in directory.glob(pattern):
-            path.unlink()
 
 
 def _name_files(directory: Path) -> None:

@@ -1,0 +1,69 @@
+"""The results of a run are not lost to another one."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from lammps_skin import checkpoints
+from lammps_skin.cli import app
+from lammps_skin.errors import SkinError
+from lammps_skin.simulation import Simulation
+from typer.testing import CliRunner
+
+NAMES = ("events.csv", "skin.h5", "checkpoints.json", "skin.step250.restart")
+
+
+@pytest.fixture
+def run(halfway: Path, tmp_path: Path) -> Iterator[Path]:
+    """A run that has ended early; what it has come to is still there in the end."""
+    directory = tmp_path / "run"
+    shutil.copytree(halfway, directory)
+    before = {name: (directory / name).read_bytes() for name in NAMES}
+    yield directory
+    assert {name: (directory / name).read_bytes() for name in NAMES} == before
+
+
+def test_a_simulation_does_not_replace_results(run: Path) -> None:
+    with pytest.raises(SkinError, match=r"holds results of a run; Simulation\.resume goes on"):
+        Simulation(None, run)
+
+
+def test_looking_at_a_run_changes_nothing(run: Path) -> None:
+    with Simulation.resume(run) as simulation:
+        assert simulation.energies()["bend"] > 0.0
+
+
+def test_a_time_that_is_past_is_refused(run: Path) -> None:
+    result = CliRunner().invoke(app, ["run", str(run), "--resume", "--until", "3"])
+    assert result.exit_code != 0
+
+
+def test_a_new_run_that_cannot_begin_leaves_the_old_one(run: Path) -> None:
+    (run / "cells.in").write_text("nonsense\n")
+    result = CliRunner().invoke(app, ["run", str(run), "--force"])
+    assert result.exit_code != 0
+    assert not (run / ".replaced").exists()
+
+
+def test_a_running_simulation_is_left_alone(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checkpoints, "PATIENCE", 0.2)
+    with Simulation.resume(run):
+        with pytest.raises(SkinError, match="another process still runs in it"):
+            Simulation(None, run, replace=True)
+        result = CliRunner().invoke(app, ["run", str(run), "--force"])
+        assert result.exit_code != 0
+
+
+def test_plain_lmp_leaves_a_running_simulation_alone(run: Path) -> None:
+    with Simulation.resume(run):
+        lmp = subprocess.run(
+            [Path(sys.executable).parent / "lmp", "-in", "skin.in", "-log", "none"],
+            cwd=run, capture_output=True, text=True,
+        )  # fmt: skip
+    assert lmp.returncode != 0
+    assert "another simulation writes the event log ./events.csv" in lmp.stdout
