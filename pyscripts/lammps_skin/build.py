@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import math
 import shutil
+import tempfile
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -38,16 +40,25 @@ def build(
     """Write input scripts, tables, data file and the scene itself into a directory.
 
     Raises `SceneError` if the directory cannot be written, `ConfigurationError` if the
-    configuration does not belong to the scene.
+    configuration does not belong to the scene. Files are put in place when all of them are written,
+    the scene last; without it a directory is not taken for a built one.
     """
     if configuration is None:
         configuration = Configuration.from_scene(scene)
     else:
         configuration.check(scene)
+    fresh = not directory.exists()
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        _write(scene, directory, configuration)
+        with tempfile.TemporaryDirectory(prefix=".building-", dir=directory) as folder:
+            _write(scene, Path(folder), configuration)
+            (directory / SCENE_FILE).unlink(missing_ok=True)
+            for path in sorted(Path(folder).iterdir(), key=lambda path: path.name == SCENE_FILE):
+                path.replace(directory / path.name)
     except OSError as error:
+        if fresh:
+            with suppress(OSError):
+                directory.rmdir()
         raise SceneError(f"directory {directory}: {error.strerror}") from None
     return configuration
 
@@ -55,7 +66,7 @@ def build(
 def _write(scene: Scene, directory: Path, configuration: Configuration) -> None:
     terms = pair_terms(scene)
     for script in SCRIPTS:
-        if _needed(script, scene) and directory.resolve() != INPUTS.resolve():
+        if _needed(script, scene):
             shutil.copyfile(INPUTS / script, directory / script)
     for term in terms:
         if term.table:

@@ -42,10 +42,10 @@ def first_line(model: type[BaseModel], error: ValidationError) -> str:
     if problem["type"] == "value_error":
         return str(problem["msg"]).removeprefix("Value error, ")
     if problem["type"] == "extra_forbidden":
-        shown = _shown(problem["input"])
-        return f"{key} = {shown}: unknown key; allowed: {_keys_beside(model, key)}"
+        allowed = _keys_beside(model, key)
+        return f"{key} = {shown(problem['input'])}: unknown key; allowed: {allowed}"
     what = _EXPECTED.get(problem["type"]) or str(problem["msg"]).replace("Input should", "must")
-    return f"{key} = {_shown(problem['input'])}: {what}"
+    return f"{key} = {shown(problem['input'])}: {what}"
 
 
 # in the words of TOML instead of Python's
@@ -58,8 +58,12 @@ _EXPECTED = {
 }
 
 
-def _shown(value: Any) -> str:
-    text = repr(list(value) if isinstance(value, tuple) else value)
+def shown(value: Any) -> str:
+    """A value in an error: as Python writes it, shortened."""
+    try:
+        text = repr(list(value) if isinstance(value, tuple) else value)
+    except ValueError:  # Python does not write whole numbers of more than 4300 digits
+        return "a number of very many digits"
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -13,9 +14,10 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError,
 from lammps_skin import accuracy, parameters
 from lammps_skin.accuracy import DEFAULT_LEVEL, LEVELS, Level
 from lammps_skin.errors import SceneError
-from lammps_skin.keys import as_tuples, first_line, merged
+from lammps_skin.keys import as_tuples, first_line, merged, shown
 from lammps_skin.kinds import Kind
 
+LARGEST_FILE = 1_000_000  # bytes of a scene file
 LARGEST = 1e12  # of any number, so that products of several stay finite
 Positive = Annotated[float, Field(gt=0, le=LARGEST, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, le=LARGEST, allow_inf_nan=False)]
@@ -165,7 +167,7 @@ class Scene(Part):
         raw = merged({}, given)
         name = raw.get("parameters", parameters.DEFAULT)
         if not isinstance(name, str) or name not in parameters.SETS:
-            raise SceneError(f"parameters = {name!r}: must be one of {', '.join(parameters.SETS)}")
+            raise SceneError(f"parameters = {shown(name)}: must be one of {', '.join(parameters.SETS)}")
         defaults = merged(parameters.SETS[name], {"numerics": _of_level(raw)})
         try:
             scene = cls.model_validate(as_tuples(merged(defaults, raw)))
@@ -187,7 +189,7 @@ class Scene(Part):
                 f"scene {str(source)!r}: neither a .toml file nor one of {', '.join(BUILT_IN)}"
             )
         try:
-            return cls.from_dict(tomllib.loads(path.read_text("utf-8")))
+            return cls.from_dict(tomllib.loads(_text(path)))
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or "not text in UTF-8"
             raise SceneError(f"scene file {path}: {reason}") from None
@@ -195,6 +197,8 @@ class Scene(Part):
             raise SceneError(f"scene file {path}: not TOML: {error}") from None
         except RecursionError:
             raise SceneError(f"scene file {path}: not TOML: nested too deeply") from None
+        except ValueError as error:
+            raise SceneError(f"scene file {path}: {error}") from None
         except SceneError as error:
             raise SceneError(f"scene file {path}: {error}") from None
 
@@ -207,7 +211,7 @@ class Scene(Part):
             for part in parts:
                 place = place.setdefault(part, {})
                 if not isinstance(place, dict):
-                    raise SceneError(f"{key} = {value!r}: {part} has no keys")
+                    raise SceneError(f"{key} = {shown(value)}: {part} has no keys")
             place[last] = value
         return type(self).from_dict(given)
 
@@ -350,6 +354,15 @@ class Scene(Part):
                 yield f"{key} = {value:g}: more than {most:.3g} steps of {numerics.timestep:g}"
 
 
+def _text(path: Path) -> str:
+    """Text of a scene file; not of a device or a pipe, which may never end."""
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise SceneError("is no file")
+    if path.is_file() and path.stat().st_size > LARGEST_FILE:
+        raise SceneError(f"has more than {LARGEST_FILE} bytes")
+    return path.read_text("utf-8")
+
+
 def _of_level(given: Mapping[str, Any]) -> dict[str, Any]:
     """Numerics of the level of accuracy, for what can be read of a scene not yet validated."""
 
@@ -359,7 +372,7 @@ def _of_level(given: Mapping[str, Any]) -> dict[str, Any]:
 
     def time(keys: Mapping[str, Any], key: str, default: float) -> float:
         value = keys.get(key, default)
-        usable = isinstance(value, (int, float)) and math.isfinite(value) and value > 0
+        usable = isinstance(value, (int, float)) and 0 < value <= sys.float_info.max
         return float(value) if usable else default
 
     level = part("numerics").get("accuracy", DEFAULT_LEVEL)

@@ -280,15 +280,16 @@ def remedy(error: str, timestep: float) -> str:
 def check_run(directory: Path, ranks: int, threads: int) -> None:
     """Refuse what cannot be run, before anything is written.
 
-    LAMMPS splits its commands at blanks, and quotes and dollars mean something to it.
+    LAMMPS splits its commands at blanks, changes letters beyond ASCII, and quotes, dollars, stars
+    and percent signs mean something to it.
     """
     for name, value in (("ranks", ranks), ("threads", threads)):
         if not isinstance(value, int) or not 1 <= value <= 4096:
             raise SimulationError(f"{name} = {value!r}: must be a whole number from 1 to 4096")
-    bad = sorted({c for c in str(directory.resolve()) if c.isspace() or c in "\"'$"})
+    bad = sorted({c for c in str(directory.resolve()) if not "!" <= c <= "~" or c in "\"'$*%"})
     if bad:
         raise SceneError(
-            f"directory {str(directory)!r}: LAMMPS cannot read a path with {''.join(bad)!r} in it"
+            f"directory {str(directory)!r}: LAMMPS cannot read a path with {''.join(bad)!a} in it"
         )
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -183,3 +186,63 @@ def test_output_that_cannot_be_written(text_file, refused, tmp_path):
     (tmp_path / "good.txt").write_text("\n".join(text_file))
     text = "output good.txt/x: Not a directory"
     assert refused("evaluate", "good.txt", "-o", "good.txt/x") == text
+
+
+# ---- scene files that are none
+
+
+def test_a_pipe_is_no_scene_file(refused, tmp_path):
+    os.mkfifo(tmp_path / "scene.toml")
+    assert refused("check", "scene.toml") == "scene file scene.toml: is no file"
+
+
+def test_a_scene_file_is_not_endless(refused, tmp_path):
+    (tmp_path / "scene.toml").write_text("# " + 1_000_000 * "-")
+    assert refused("check", "scene.toml") == "scene file scene.toml: has more than 1000000 bytes"
+
+
+@pytest.mark.parametrize("key", ["seed", "end_time", "output.dump_interval", "cells.cycle_delay"])
+@pytest.mark.parametrize("number", [400 * "9", 5000 * "9", "0x" + 5000 * "f"], ids=[400, 5000, "f"])
+def test_a_number_of_very_many_digits(number, key, refused, tmp_path):
+    (tmp_path / "scene.toml").write_text(f"{key} = {number}")
+    assert refused("check", "scene.toml").startswith("scene file scene.toml: ")
+    assert refused("check", "two-cells", "--set", f"{key}={number}").startswith(f"{key} = ")
+
+
+# ---- builds that do not come to their end
+
+
+@pytest.mark.parametrize("kilobytes", [1, 8, 40])
+def test_a_build_on_a_full_disk(kilobytes, tmp_path):
+    """What is there stays as it was; else there is nothing."""
+    build(Scene.load("one-stem"), tmp_path / "there")
+    before = {path.name: path.read_bytes() for path in (tmp_path / "there").iterdir()}
+    skin = Path(sys.executable).parent / "skin"
+    for name in ("there", "new"):
+        shell = f"ulimit -f {kilobytes}; exec {skin} build two-cells -o {name}"
+        command = subprocess.run(["bash", "-c", shell], cwd=tmp_path, capture_output=True, text=True)
+        assert (command.returncode, command.stderr) == (
+            2, f"error: directory {name}: File too large\n"
+        )  # fmt: skip
+    assert {path.name: path.read_bytes() for path in (tmp_path / "there").iterdir()} == before
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_build_replaces_links(tmp_path):
+    """What they lead to stays as it is."""
+    (tmp_path / "built").mkdir()
+    (tmp_path / "else").write_text("precious")
+    (tmp_path / "built" / "skin.data").symlink_to(tmp_path / "else")
+    build(Scene.load("two-cells"), tmp_path / "built")
+    assert (tmp_path / "else").read_text() == "precious"
+    assert not (tmp_path / "built" / "skin.data").is_symlink()
+
+
+def test_letters_that_the_terminal_does_not_have(tmp_path):
+    (tmp_path / "scene.toml").write_text('name = "x"\ndescription = "\u00e9 \u2603"\n', "utf-8")
+    skin = [Path(sys.executable).parent / "skin", "check", "scene.toml"]
+    command = subprocess.run(
+        skin, cwd=tmp_path, capture_output=True, text=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )  # fmt: skip
+    assert command.returncode == 0, command.stderr

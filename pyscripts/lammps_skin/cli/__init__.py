@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 
 import typer
 from typer.exceptions import TyperException
@@ -45,6 +46,9 @@ def help_alone(context: typer.Context) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Entry point: what the user can mend ends as one line on stderr, with exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # what the terminal has no letters for is no error
+            stream.reconfigure(errors="backslashreplace")
     try:
         code = app(arguments, standalone_mode=False, prog_name="skin")
     except (SkinError, TyperException) as error:

@@ -59,7 +59,7 @@ def _value(text: str) -> Any:
     """A TOML value; what is none is a string."""
     try:
         parsed = tomllib.loads(f"value = {text}")
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         return text
     return parsed["value"] if parsed.keys() == {"value"} else text
 
