@@ -20,8 +20,6 @@
 using namespace LAMMPS_NS;
 using namespace FixConst;
 
-static const char *const KIND_NAMES[] = {"none", "stem", "ta", "exhausted", "nd"};
-
 /* ---------------------------------------------------------------------- */
 
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
@@ -95,6 +93,7 @@ void FixSkinCells::init()
   built_call = built_step = -1;
   refresh_state();
   for (int i = 0; i < atom->nlocal; i++) check_cell(i);
+  check_pairs();
 
   // ids are never used twice, also not those of the dead
 
@@ -123,36 +122,6 @@ void FixSkinCells::refresh_state()
 int FixSkinCells::kind_of(int i) const
 {
   return (atom->mask[i] & groupbit) ? kind_of_type[atom->type[i]] : NONE;
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FixSkinCells::check_cell(int i)
-{
-  const int kind = kind_of(i);
-  const int m = state.divisions_left[i];
-  if (kind == NONE) return;
-
-  if ((kind == TA && m <= 0) || (kind == EXHAUSTED && m != 0) || m < 0)
-    error->one(FLERR, "Fix skin/cells: cell {} is of kind {} and has {} divisions left",
-               atom->tag[i], KIND_NAMES[kind], m);
-  if (state.pair[i] == atom->tag[i] || state.pair[i] < 0 || state.pair[i] > atom->map_tag_max)
-    error->one(FLERR, "Fix skin/cells: cell {} is paired with {}, which is no other cell",
-               atom->tag[i], state.pair[i]);
-}
-
-/* ----------------------------------------------------------------------
-   ghost particles must reach far enough to hold the nearest membrane particle of any cell
-   that is not yet detached, now and until the next neighbor build
-------------------------------------------------------------------------- */
-
-void FixSkinCells::check_reach() const
-{
-  const double reach = adhesion_range * contact + 2.0 * neighbor->skin;
-  const double cutoff = std::min({comm->cutghost[0], comm->cutghost[1], comm->cutghost[2]});
-  if (cutoff < reach)
-    error->all(FLERR, "Fix skin/cells needs a communication cutoff of at least {} but has {}: use "
-               "comm_modify cutoff", reach, cutoff);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -82,7 +82,8 @@ class FixSkinCells : public Fix {
   void parse(int, char **);
   void refresh_state();
   int kind_of(int) const;
-  void check_cell(int);
+  void check_cell(int) const;
+  void check_pairs() const;
   void check_reach() const;
   double time_of_step(bigint) const;
   double now() const;

@@ -1,5 +1,20 @@
 """The errors that a user sees: one line each, naming the key, the value and what is allowed."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def reading(what: str) -> Iterator[None]:
+    """Whatever goes wrong within, in a file that is damaged, becomes a `SkinError` of one line."""
+    try:
+        yield
+    except (OSError, LookupError, ValueError, TypeError, ArithmeticError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None) or "is damaged"
+        raise SkinError(f"{what}: {reason}") from None
+
 
 class SkinError(Exception):
     """Anything wrong with what the user gave or with a run; the text is one clear line."""

@@ -195,6 +195,13 @@ def evaluate(
         raise ConfigurationError(f"configuration {path}: {error}") from None
     with Simulation(scene, configuration=configuration) as simulation:
         energies, forces, cells = simulation.energies(), simulation.forces(), simulation.cells()
+    endless = forces.ids[~np.isfinite(forces.forces).all(axis=1)] - 1
+    if len(endless) or not np.isfinite([*energies.values()]).all():
+        named = ", ".join(map(str, endless[:4])) or "some"
+        raise ConfigurationError(
+            f"configuration {path}: forces on the particles {named} are not finite; no two may be "
+            "in one place"
+        )
     partner = {
         int(id_) - 1: (int(near) - 1, float(distance))
         for id_, near, distance in zip(cells.ids, cells.partner, cells.distance, strict=True)

@@ -167,7 +167,9 @@ class Scene(Part):
         raw = merged({}, given)
         name = raw.get("parameters", parameters.DEFAULT)
         if not isinstance(name, str) or name not in parameters.SETS:
-            raise SceneError(f"parameters = {shown(name)}: must be one of {', '.join(parameters.SETS)}")
+            raise SceneError(
+                f"parameters = {shown(name)}: must be one of {', '.join(parameters.SETS)}"
+            )
         defaults = merged(parameters.SETS[name], {"numerics": _of_level(raw)})
         try:
             scene = cls.model_validate(as_tuples(merged(defaults, raw)))

@@ -107,13 +107,20 @@ class _Cells(StateAnalysis):
 
 
 def _events(run: Run, events: Events, window: Window) -> dict[str, Any]:
-    """Births and removals up to the last frame, their rates in the window, clones, mixing."""
+    """Births and removals up to the last frame, their rates in the window, clones, mixing.
+
+    Raises `SkinError` if they are not those of the trajectory.
+    """
     last = len(run.universe.trajectory) - 1
     cells = _Cells(run.universe).run(frames=[0, last])
     (start, founders, kinds), (end, living, _) = cells.rows
     events = Events(*(column[events.time <= end] for column in events))
     births, deaths = events.of("birth"), events.of("death")
-    mixing = CloneMixing(run.universe, events).run(start=last).results.mixing
+    try:
+        mixing = CloneMixing(run.universe, events).run(start=last).results.mixing
+        clones = [] if start else _clones(events, founders, kinds, end)
+    except ValueError as error:
+        raise SkinError(f"events.csv does not go with the trajectory: {error}") from None
     return {
         "births": len(births.id),
         "removals": len(deaths.id),
@@ -121,7 +128,7 @@ def _events(run: Run, events: Events, window: Window) -> dict[str, Any]:
         "births_per_time": _rate(births, window),
         "removals_per_time": _rate(deaths, window),
         "cells": len(living),
-        "clones": [] if start else _clones(events, founders, kinds, end),
+        "clones": clones,
         "mixing": float(mixing[-1]),
     }
 

@@ -182,11 +182,20 @@ SETTINGS = [
         "Fix skin/cells: cell 2 is paired with 77, which is no other cell",
     ),
     (
-        {
-            "paired": "create_atoms 5 single 9 9 5\ncreate_atoms 5 single 3 9 5\n"
-            "set atom 2 i_pair 4\ngroup gone id 4\ndelete_atoms group gone compress no"
-        },
-        "Fix skin/cells: the cells 2 and 4 of a dividing pair have lost each other on step 0",
+        {"paired": "create_atoms 5 single 9 9 5\nset atom 2 i_pair 4"},
+        "Fix skin/cells: cell 2 is paired with 4, which is no cell that is paired with it",
+    ),
+    (
+        {"paired": "set atom 2 i_pair 1"},
+        "Fix skin/cells: cell 2 is paired with 1, which is no cell that is paired with it",
+    ),
+    (
+        {"paired": "set atom 2 i_divisions_done -5"},
+        "Fix skin/cells: divisions_done = -5 of cell 2 must be >= 0",
+    ),
+    (
+        {"paired": "set atom 2 i_parent -9"},
+        "Fix skin/cells: parent = -9 of cell 2 must be >= 0",
     ),
     (
         {"stem": "create_atoms 2 single 3 3 12"},

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from lammps_skin import lattice
 from lammps_skin.build import build
 from lammps_skin.scene import Scene
 
@@ -209,6 +210,48 @@ def test_a_number_of_very_many_digits(number, key, refused, tmp_path):
     assert refused("check", "two-cells", "--set", f"{key}={number}").startswith(f"{key} = ")
 
 
+# ---- states that cannot be
+
+
+@pytest.mark.parametrize("column", [5, 6])
+def test_a_cell_that_is_due_at_no_time(column, original, refused, tmp_path):
+    """The last line of the data file is the state of the last cell."""
+    shutil.copytree(original, tmp_path / "built")
+    *lines, last = (tmp_path / "built" / "skin.data").read_text().rstrip().split("\n")
+    words = last.split()
+    assert len(words) == 9
+    words[column] = "nan"
+    (tmp_path / "built" / "skin.data").write_text("\n".join([*lines, " ".join(words)]) + "\n")
+    name = ["next_division", "birth_time"][column - 5]
+    assert f"Fix skin/cells: {name} = nan of cell {words[0]} must be finite" in refused(
+        "run", "built"
+    )
+
+
+def test_two_particles_in_one_place(refused, tmp_path):
+    """Two of the membrane that are not linked."""
+    scene = Scene.load("bare-membrane").replace(**{"membrane.lattice": [12, 14]})
+    sites = lattice.positions((12, 14), scene.spacing, 20.0)
+    sites[2] = sites[0]
+    lines = ["lattice 12 14 6 6.062177826 0", *(f"M {x} {y} {z}" for x, y, z in sites)]
+    (tmp_path / "one.txt").write_text("\n".join(lines))
+    assert refused("evaluate", "one.txt") == (
+        "configuration one.txt: forces on the particles 0, 2 are not finite; no two may be in one "
+        "place"
+    )
+
+
+def test_a_device_is_not_replaced(refused, tmp_path):
+    """By the file that a command writes beside it and then gives its name."""
+    scene = Scene.load("two-cells").replace(**{"output.dump_interval": 1.0})
+    build(scene, tmp_path / "run")
+    lmp = [Path(sys.executable).parent / "lmp", "-in", "skin.in", "-var", "end_time", "2"]
+    subprocess.run(lmp, cwd=tmp_path / "run", stdout=subprocess.DEVNULL, check=True)
+    os.mkfifo(tmp_path / "pipe")
+    assert refused("convert", "run", "-o", "pipe") == "output pipe: is no file"
+    assert (tmp_path / "pipe").is_fifo()
+
+
 # ---- builds that do not come to their end
 
 
@@ -220,7 +263,9 @@ def test_a_build_on_a_full_disk(kilobytes, tmp_path):
     skin = Path(sys.executable).parent / "skin"
     for name in ("there", "new"):
         shell = f"ulimit -f {kilobytes}; exec {skin} build two-cells -o {name}"
-        command = subprocess.run(["bash", "-c", shell], cwd=tmp_path, capture_output=True, text=True)
+        command = subprocess.run(
+            ["bash", "-c", shell], cwd=tmp_path, capture_output=True, text=True
+        )
         assert (command.returncode, command.stderr) == (
             2, f"error: directory {name}: File too large\n"
         )  # fmt: skip

@@ -175,6 +175,21 @@ def test_resumed_runs_go_on_in_one_trajectory(run, built, first, second):
     assert store.slots == max(int(frame.ids.max()) for frame in run.frames[:15])
 
 
+def test_dates_of_files_do_not_decide_where_a_trajectory_goes_on(run, built):
+    """Python, lmp and Python again; skin.h5 is dated after the dump."""
+    given = {"checkpoint_interval": 2.0}
+    with Simulation(None, built, variables=given) as simulation:
+        simulation.run(4.0)
+    restart = newest_restart(built)
+    values = {**given, "end_time": 6.5, "restart": restart}.items()
+    assert lmp(built, *(word for k, v in values for word in ("-var", k, str(v)))).returncode == 0
+    os.utime(built / "skin.h5", (2**32, 2**32))
+    restart = max(built.glob("skin.[12].restart"), key=lambda file: file.stat().st_mtime_ns).name
+    with Simulation(None, built, variables={**given, "restart": restart}) as simulation:
+        simulation.run(7.0)
+    assert Store(built / "skin.h5").steps.tolist() == list(range(0, 701, 50))
+
+
 def test_a_dump_does_not_replace_what_has_gone_on_after_it(run, built):
     shutil.copy(run.directory / "skin.dump", built)
     shutil.copy(run.directory / "skin.h5", built)

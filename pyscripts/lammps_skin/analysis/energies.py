@@ -49,6 +49,8 @@ def read_energies(path: str | Path) -> dict[str, Floats]:
     if not rows:
         raise SkinError(f"log {path}: holds no thermo output")
     ordered = [rows[step] for step in sorted(rows)]
+    if any(row.keys() != ordered[0].keys() for row in ordered):
+        raise SkinError(f"log {path}: its thermo output has other columns later on")
     found = {
         name: np.array([row[column] for row in ordered])
         for column, name in COLUMNS.items()

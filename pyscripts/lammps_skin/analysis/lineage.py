@@ -100,7 +100,9 @@ def read_events(path: str | Path) -> Events:
         whole = [line for line in lines if line.endswith("\n")]
         rows = csv.DictReader(whole)
         if whole and tuple(rows.fieldnames or ()) == COLUMNS:
-            return Events.from_rows(rows)
+            events = Events.from_rows(rows)
+            founder_of(events.id, events)  # raises for what cannot be
+            return events
     except OSError as error:
         raise SkinError(f"event log {path}: {error.strerror}") from None
     except (ValueError, TypeError):  # of what stands in the columns

@@ -17,8 +17,8 @@ def connectivity(directory: Path) -> tuple[Ints, Ints]:
     Each triangle is there once, lowest id first, counterclockwise seen from the side of the
     cells.
     """
-    links = _members(directory / "skin.data", "Bonds").reshape(-1, 2)
-    hinges = _members(directory / "skin.data", "Dihedrals").reshape(-1, 4)
+    links = _members(directory / "skin.data", "Bonds", 2)
+    hinges = _members(directory / "skin.data", "Dihedrals", 4)
     both = np.concatenate([hinges[:, [0, 1, 2]], hinges[:, [3, 2, 1]]])
     if not len(both):
         return links, both
@@ -26,10 +26,10 @@ def connectivity(directory: Path) -> tuple[Ints, Ints]:
     return links, np.unique(np.take_along_axis(both, turned, axis=1), axis=0)
 
 
-def _members(path: Path, title: str) -> Ints:
+def _members(path: Path, title: str, columns: int) -> Ints:
     """Ids in a section, without the number and the type of each line."""
     try:
         rows = [[int(word) for word in words[2:]] for words in section(path, title)]
-    except (OSError, ValueError):
+        return np.array(rows, np.int64).reshape(len(rows), columns)
+    except (OSError, ValueError, OverflowError):
         raise SkinError(f"data file {path}: cannot be read; build the scene again") from None
-    return np.array(rows, np.int64)

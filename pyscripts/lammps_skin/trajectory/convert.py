@@ -39,10 +39,13 @@ def convert(directory: str | Path, output: str | Path | None = None) -> Converte
     Raises
     ------
     SkinError
-        For a directory without a dump, and if skin.h5 has gone on after it.
+        For a directory without a dump, if skin.h5 has gone on after it, and for an output that
+        is no file.
     """
     directory = Path(directory)
     output = Path(output or directory / STORE)
+    if output.exists() and not output.is_file():
+        raise SkinError(f"output {output}: is no file")
     part = output.with_name(output.name + ".part")
     scene = load_built(directory)
     dump = Dump(directory / DUMP, scene.kinds)

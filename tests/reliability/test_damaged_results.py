@@ -1,0 +1,59 @@
+"""The files that a run has left, damaged at random: read, or refused in one line."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from lammps_skin.cli import main
+from lammps_skin.simulation import Simulation
+
+from tests.trajectory.conftest import small_scene
+
+COMMANDS = (["stats", "run"], ["export", "run", "--to", "vtk", "-o", "out"])
+CASES = 15
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short run with a few births, and three frames."""
+    directory = tmp_path_factory.mktemp("finished")
+    scene = small_scene().replace(**{"end_time": 4.0, "output.dump_interval": 2.0})
+    with Simulation(scene, directory) as simulation:
+        simulation.run()
+    return directory
+
+
+def damage(path: Path, draw: np.random.Generator) -> None:
+    """A bit, a byte, the end or a piece of a file."""
+    content = bytearray(path.read_bytes())
+    place = int(draw.integers(len(content)))
+    match draw.integers(4):
+        case 0:
+            content[place] ^= 1 << int(draw.integers(8))
+        case 1:
+            content[place] = int(draw.choice(list(b"0159-.x,\n")))
+        case 2:
+            del content[place:]
+        case 3:
+            del content[place : place + int(draw.integers(1, 40))]
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("name", ["skin.h5", "events.csv", "log.lammps", "skin.data", "scene.toml"])
+def test_damaged_results(
+    name: str, finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    draw = np.random.default_rng(len(name))
+    for _ in range(CASES):
+        shutil.copytree(finished, "run", dirs_exist_ok=True)
+        damage(Path("run", name), draw)
+        for command in COMMANDS:
+            with pytest.raises(SystemExit) as ended:
+                main(command)
+            err = capsys.readouterr().err
+            assert (ended.value.code, err.count("\n")) in ((0, 0), (2, 1)), err
