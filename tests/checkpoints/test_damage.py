@@ -155,7 +155,7 @@ def test_any_bit_of_the_list_is_damaged(run: Path) -> None:
     """The files that it lists are not blamed."""
     path = run / "checkpoints.json"
     content, draw = path.read_bytes(), np.random.default_rng(4)
-    for bit in draw.integers(0, 8 * len(content), 30):
+    for bit in draw.integers(0, 8 * len(content), 6):
         changed = bytearray(content)
         changed[bit // 8] ^= 1 << bit % 8
         path.write_bytes(changed)
@@ -175,7 +175,7 @@ def test_a_restart_file_without_a_hash_is_read_elsewhere_first(run: Path) -> Non
     (run / "checkpoints.json").unlink()
     content, draw = newest(run).read_bytes(), np.random.default_rng(4)
     passed_over = 0
-    for bit in draw.integers(8 * 16, 8 * 900, 12):
+    for bit in draw.integers(8 * 16, 8 * 900, 8):
         changed = bytearray(content)
         changed[bit // 8] ^= 1 << bit % 8
         newest(run).write_bytes(changed)

@@ -194,7 +194,7 @@ COMMAND_LINES = {
     ("run", "missing.toml"): "scene file missing.toml: No such file or directory",
     ("run", "folder"): "directory folder: holds no built scene (there is no skin.in)",
     ("run", "two-cells", "-o", "a b"): "directory 'a b': LAMMPS cannot read a path with ' ' in it",
-    ("run", "demo", "-o", "\u00fc"): "directory '\u00fc': LAMMPS cannot read a path with '\\xfc' in",
+    ("run", "demo", "-o", "\u00fc"): "directory '\u00fc': LAMMPS cannot read a path with '\\xfc'",
     ("run", "two-cells", "-o", "a*b"): "directory 'a*b': LAMMPS cannot read a path with '*' in it",
     ("run", "two-cells", "-o", "a%b"): "directory 'a%b': LAMMPS cannot read a path with '%' in it",
     ("run", "two-cells", "-o", "a\udcffb"): "directory 'a\\udcffb': LAMMPS cannot read a path",
