@@ -53,7 +53,8 @@ def numerics(
 
     Its timestep is shortened until all intervals are whole numbers of steps, and there are enough
     of them in the fastest process. For the same stability with another timestep, also one that is
-    given, s^2 + s of the stages is in proportion to it.
+    given, s^2 + s of the stages is in proportion to it; rkl2 needs (s^2 + s - 2) / 2 instead, and
+    Euler, with one stage, the shorter timestep.
 
     Parameters
     ----------
@@ -69,12 +70,18 @@ def numerics(
     values = dict(LEVELS[level])
     if not values:
         return values
-    longest = values["timestep"]
+    longest, stages = values["timestep"], values["stages"]
+    integrator = given.get("integrator", values["integrator"])
+    limit = stages**2 + stages  # timestep times the largest eigenvalue, at the level's own step
+    if integrator == "euler":
+        longest, limit = 2 * longest / limit, 2
     values["timestep"] = _timestep(longest, intervals, fastest / RESOLUTION)
     values["event_interval"] = min(values["event_interval"], fastest / RESOLUTION)
     timestep = given.get("timestep", values["timestep"])
     if isinstance(timestep, (int, float)) and 0 < timestep < MOST_TIMESTEPS * longest:
-        stable = (values["stages"] ** 2 + values["stages"]) * timestep / longest
+        stable = limit * timestep / longest
+        if integrator == "rkl2":
+            stable = 2 * stable + 2
         values["stages"] = max(3, math.ceil((math.sqrt(1 + 4 * stable) - 1) / 2))
     return values
 

@@ -113,11 +113,18 @@ class Simulation:
             raise SimulationError(f"{error} (starting the scene in {self.directory})") from None
 
     @classmethod
-    def resume(cls, directory: str | Path, ranks: int = 1, threads: int = 1) -> Self:
+    def resume(
+        cls,
+        directory: str | Path,
+        ranks: int = 1,
+        threads: int = 1,
+        variables: Mapping[str, Any] | None = None,
+    ) -> Self:
         """Go on with a run from its newest good checkpoint, see docs/reliability.md.
 
         Events and frames after the checkpoint are cut off. What had been given in `variables` is
-        given again. `notes` tells, in lines, of checkpoints and trajectories that are damaged.
+        given again, but for those that are given here, such as a shorter timestep after a run
+        that was unstable. `notes` tells, in lines, of checkpoints and trajectories that are damaged.
 
         Raises
         ------
@@ -129,7 +136,8 @@ class Simulation:
         check_run(directory, ranks, threads)
         load_built(directory)
         wait_for_others(directory)
-        restart, variables, notes = find_resumption(directory)
+        restart, earlier, notes = find_resumption(directory)
+        variables = {**earlier, **(variables or {})}
         damaged = set_aside_if_damaged(directory) if restart else None
         if restart:
             variables = {**variables, "restart": restart}
@@ -271,7 +279,10 @@ class Simulation:
 def remedy(error: str, timestep: float) -> str:
     """What to change after an error of a run."""
     if "leaves the box" in error:
-        return "a tissue that moves needs more room: try other membrane.height and box_height"
+        return (
+            f"numerics.timestep = {timestep:g}; try {timestep / 2:g}, or, for a tissue that moves "
+            "as a whole, other membrane.height and box_height"
+        )
     if any(os.strerror(full) in error for full in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)):
         return "make room for its files, and resume the run"
     return f"numerics.timestep = {timestep:g}; try {timestep / 2:g}"

@@ -143,6 +143,18 @@ def test_the_command_is_terminated_and_resumed(built: Path, undisturbed: Outcome
     )
 
 
+def test_a_run_is_resumed_with_another_timestep(halfway: Path, tmp_path: Path) -> None:
+    """As the error of a run that was unstable says."""
+    directory = tmp_path / "run"
+    shutil.copytree(halfway, directory)
+    command = [*SKIN, "run", str(directory), "--resume", "--timestep", "0.01"]
+    resumed = subprocess.run(command, capture_output=True, text=True)
+    assert resumed.returncode == 0, resumed.stderr
+    assert "test: reached t = 8," in resumed.stdout
+    with Simulation.resume(directory) as ended:
+        assert (ended.timestep, ended.time) == (0.01, pytest.approx(END))
+
+
 # ---- other deaths
 
 

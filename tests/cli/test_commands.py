@@ -187,6 +187,14 @@ def test_a_run_says_how_to_go_on(skin):
     assert "bare-membrane: reached t = 0.7," in again.out
 
 
+def test_a_run_says_what_was_changed_for_its_stability(skin):
+    """Nothing, or steps that were divided and particles that moved slower."""
+    assert "slowed" not in skin("run", "two-cells", "--until", "1").out
+    slow = "numerics.stiffness_limit=0.001"
+    answer = skin("run", "two-cells", "--until", "1", "-o", "slow", "--set", slow)
+    assert re.search(r"[1-9]\d\.\d\d% of the particles slowed", answer.out)
+
+
 def test_what_cannot_be_resumed(skin, tmp_path):
     short = ("--set", "output.checkpoint_interval=0.2", "--until", "0.3")
     skin("run", "bare-membrane", *SMALLEST, *short, "-o", "x")

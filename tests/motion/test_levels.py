@@ -60,3 +60,14 @@ def test_stages_that_are_given_stay() -> None:
 def test_what_is_no_number_is_refused_as_such(key: str, value: object) -> None:
     with pytest.raises(Exception, match=key):
         numerics(**{key: value})
+
+
+@pytest.mark.parametrize("level", ["balanced", "fast"])
+def test_another_integrator_is_as_stable(level: str) -> None:
+    """The largest eigenvalue for which a step of the level itself is stable."""
+    own = numerics(**{"numerics.accuracy": level})
+    eigenvalue = (own.stages**2 + own.stages) / own.timestep
+    rkl2 = numerics(**{"numerics.accuracy": level, "numerics.integrator": "rkl2"})
+    assert (rkl2.stages**2 + rkl2.stages - 2) / 2 >= eigenvalue * rkl2.timestep
+    euler = numerics(**{"numerics.accuracy": level, "numerics.integrator": "euler"})
+    assert euler.timestep * eigenvalue <= 2.0

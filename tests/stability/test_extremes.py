@@ -197,6 +197,14 @@ def test_cell_that_would_pierce_divides_the_step(push: float) -> None:
         assert simulation.motion().divided > 0
 
 
+def test_a_stem_cell_that_nothing_binds_is_named() -> None:
+    """No division of the step keeps it at the membrane: the run does not try for ever."""
+    scene = Scene.load("demo").replace(**{"cells.binding_stiffness": 0.0})
+    named = pytest.raises(SimulationError, match=r"stem cell \d+ has lost the membrane on step \d+")
+    with Simulation(scene) as simulation, named:
+        simulation.run()
+
+
 def test_what_is_no_number_is_named() -> None:
     scene = small("reference", **{"cells.stem": 0, "numerics.largest_move": 0.0})
     with Simulation(scene) as simulation:

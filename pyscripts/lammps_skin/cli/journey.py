@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from lammps_skin.analysis.coverage import count_by_kind, coverage
+from lammps_skin.engine import Motion
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.simulation import Simulation
 
@@ -37,6 +38,7 @@ class Journey:
         self._first_id = int(simulation.forces().ids.max(initial=0))
         self._first_cells = len(simulation.cells().ids)
         self._coverage: float | None = None
+        self._motion: Motion | None = None
         self.births = 0
         self._look(self._start)
 
@@ -66,6 +68,7 @@ class Journey:
                 if self._simulation.sound:
                     self._look(self._simulation.time)
         self._coverage = self._covered()
+        self._motion = self._simulation.motion()
 
     def _look(self, time: float) -> None:
         """Cells by kind; births from the highest id, which are given in turn and never again."""
@@ -101,3 +104,7 @@ class Journey:
         yield f"{self.living()}; {self.births} births, {self.removals} removals"
         if self._coverage is not None:
             yield f"{self._coverage:.0%} of the membrane within reach of a cell"
+        if self._motion and self._motion.steps and (self._motion.divided or self._motion.lowered):
+            divided = self._motion.divided / self._motion.steps
+            slowed = self._motion.lowered
+            yield f"{divided:.2%} of the steps divided, {slowed:.2%} of the particles slowed"

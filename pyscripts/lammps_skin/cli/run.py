@@ -46,6 +46,9 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the run in DIR from its last checkpoint.")
     ] = False,
+    timestep: Annotated[
+        float | None, typer.Option(help="With --resume: another timestep from there on.")
+    ] = None,
     parameters: Parameters = None,
     settings: Settings = None,
 ) -> None:
@@ -56,7 +59,9 @@ def run(
     if resume:
         if scene or force:
             raise SceneError("--resume: goes on with the run in a directory, as it is; give that")
-        simulation = _resumed(directory, ranks, threads, until)
+        simulation = _resumed(directory, ranks, threads, until, timestep)
+    elif timestep is not None:
+        raise SceneError("--timestep: goes with --resume; else give --set numerics.timestep=...")
     else:
         simulation = _begun(scene, directory, ranks, threads, until, force)
     _watch(simulation, directory, until, began)
@@ -77,10 +82,15 @@ def _begun(
             return Simulation(scene, directory, configuration, ranks, threads)
 
 
-def _resumed(directory: Path, ranks: int, threads: int, until: float | None) -> Simulation:
+def _resumed(
+    directory: Path, ranks: int, threads: int, until: float | None, timestep: float | None
+) -> Simulation:
     """The simulation of a run that has ended before its time."""
+    if timestep is not None and not 0 < timestep < math.inf:
+        raise SimulationError(f"--timestep = {timestep:g}: must be a number greater than 0")
     with console.status("resuming"):
-        simulation = Simulation.resume(directory, ranks, threads)
+        changed = {} if timestep is None else {"timestep": repr(timestep)}
+        simulation = Simulation.resume(directory, ranks, threads, changed)
     for note in simulation.notes:
         console.print(note)
     end = simulation.scene.end_time if until is None else until
