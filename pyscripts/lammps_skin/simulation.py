@@ -124,7 +124,8 @@ class Simulation:
 
         Events and frames after the checkpoint are cut off. What had been given in `variables` is
         given again, but for those that are given here, such as a shorter timestep after a run
-        that was unstable. `notes` tells, in lines, of checkpoints and trajectories that are damaged.
+        that was unstable. `notes` tells, in lines, of checkpoints and trajectories that are
+        damaged.
 
         Raises
         ------
