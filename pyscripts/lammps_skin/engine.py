@@ -145,8 +145,13 @@ class Engine:
         os.close(self._held)
 
     def command(self, text: str) -> None:
-        """Any LAMMPS command; the next run then sets up anew."""
+        """Any LAMMPS command; the next run then sets up anew.
+
+        LAMMPS counts steps from there, and must know the time at which it does.
+        """
         self._continues = False
+        time, step = self._counted_since()
+        time.value, step.value = self.time(), self.step()
         self._guard(self._lammps.command, text)
 
     def step(self) -> int:

@@ -11,6 +11,7 @@ from lammps_skin.build import build
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
 
+from tests.cells.conftest import assert_same_events
 from tests.reliability.conftest import (
     SNAPSHOT,
     WHOLE_RUN,
@@ -49,6 +50,19 @@ def test_run_0_changes_nothing(short: Path, scene: Scene, tmp_path: Path) -> Non
     assert half.count("Loop time") == 9
     assert log(tmp_path) == log(short)
     assert_same_state(tmp_path, short, 1e-12)
+
+
+@pytest.mark.parametrize("command", ["run 0 post no", "write_data {}/now.data", "print now"])
+def test_commands_between_pieces_change_no_times(
+    command: str, short: Path, scene: Scene, tmp_path: Path
+) -> None:
+    """The events are those of the run without a command, and so is the time."""
+    with Simulation(scene, tmp_path, founders(scene)) as simulation:
+        for until in (0.6, 2.4, 4.8, 6.0):
+            simulation.run(until=until)
+            simulation.command(command.format(tmp_path))
+            assert simulation.time == pytest.approx(until, rel=1e-12)
+    assert_same_events(tmp_path, short)
 
 
 def test_clear_and_again(short: Path, scene: Scene, tmp_path: Path) -> None:
