@@ -298,7 +298,7 @@ def check_run(directory: Path, ranks: int, threads: int) -> None:
     for name, value in (("ranks", ranks), ("threads", threads)):
         if not isinstance(value, int) or not 1 <= value <= 4096:
             raise SimulationError(f"{name} = {value!r}: must be a whole number from 1 to 4096")
-    bad = sorted({c for c in str(directory.resolve()) if not "!" <= c <= "~" or c in "\"'$*%"})
+    bad = sorted({c for c in str(directory.resolve()) if not "!" <= c <= "~" or c in "\"'$*%#"})
     if bad:
         raise SceneError(
             f"directory {str(directory)!r}: LAMMPS cannot read a path with {''.join(bad)!a} in it"
