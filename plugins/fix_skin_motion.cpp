@@ -282,9 +282,11 @@ bool FixSkinMotion::advance(double part, double since)
     if (s + 1 < nstages) {
       evaluate_forces(since + method.stages[s].time * part - update->dt);
     } else if (nstages > 1 && cells && cells->any_astray()) {
-      if (!divisible) evaluate_forces(0.0);    // ends the run with the error of that cell
-      restore_start(since - update->dt);
-      return false;
+      if (divisible) {
+        restore_start(since - update->dt);
+        return false;
+      }
+      evaluate_forces(0.0);    // ends the run with the error of that cell
     }
   }
   return true;

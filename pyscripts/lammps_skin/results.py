@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from lammps_skin.analysis.lineage import COLUMNS
+from lammps_skin.trajectory.store import DUMP, STORE
 
 EVENTS, LOG, MANIFEST = "events.csv", "log.lammps", "checkpoints.json"
 RESTARTS = "skin.*.restart"
-TRAJECTORIES = ("skin.h5", "skin.dump")
-HEADING = b"time,kind,id,parent,type,x,y,z,divisions_left,cause\n"  # all that a run begins with
+TRAJECTORIES = (STORE, DUMP)
+HEADING = f"{','.join(COLUMNS)}\n".encode()  # all that the event log of a run begins with
 ASIDE = ".replaced"  # while a new run begins
 
 
@@ -41,7 +44,8 @@ def replaced_results(directory: Path) -> Iterator[None]:
     except BaseException:
         for path in earlier:
             (aside / path.name).replace(path)
-        aside.rmdir()
+        with suppress(OSError):  # what a killed attempt has left there stays
+            aside.rmdir()
         raise
     for path in aside.iterdir():
         path.unlink()

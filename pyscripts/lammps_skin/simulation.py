@@ -292,8 +292,8 @@ def remedy(error: str, timestep: float) -> str:
 def check_run(directory: Path, ranks: int, threads: int) -> None:
     """Refuse what cannot be run, before anything is written.
 
-    LAMMPS splits its commands at blanks, changes letters beyond ASCII, and quotes, dollars, stars
-    and percent signs mean something to it.
+    LAMMPS splits its commands at blanks, changes letters beyond ASCII, and quotes, dollars, stars,
+    percent and number signs mean something to it.
     """
     for name, value in (("ranks", ranks), ("threads", threads)):
         if not isinstance(value, int) or not 1 <= value <= 4096:

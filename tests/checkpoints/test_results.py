@@ -20,9 +20,13 @@ NAMES = ("events.csv", "skin.h5", "checkpoints.json", "skin.step250.restart")
 
 @pytest.fixture
 def run(halfway: Path, tmp_path: Path) -> Iterator[Path]:
-    """A run that has ended early; what it has come to is still there in the end."""
+    """A run that has ended early, with an event after its last checkpoint; all is still there in
+    the end.
+    """
     directory = tmp_path / "run"
     shutil.copytree(halfway, directory)
+    with (directory / "events.csv").open("a") as file:
+        file.write("5.01,death,999,0,5,1,1,1,0,detached\n")
     before = {name: (directory / name).read_bytes() for name in NAMES}
     yield directory
     assert {name: (directory / name).read_bytes() for name in NAMES} == before

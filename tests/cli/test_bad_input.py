@@ -196,6 +196,7 @@ COMMAND_LINES = {
     ("run", "two-cells", "-o", "a b"): "directory 'a b': LAMMPS cannot read a path with ' ' in it",
     ("run", "demo", "-o", "\u00fc"): "directory '\u00fc': LAMMPS cannot read a path with '\\xfc'",
     ("run", "two-cells", "-o", "a*b"): "directory 'a*b': LAMMPS cannot read a path with '*' in it",
+    ("run", "two-cells", "-o", "a#b"): "directory 'a#b': LAMMPS cannot read a path with '#' in it",
     ("run", "two-cells", "-o", "a%b"): "directory 'a%b': LAMMPS cannot read a path with '%' in it",
     ("run", "two-cells", "-o", "a\udcffb"): "directory 'a\\udcffb': LAMMPS cannot read a path",
     ("run", "two-cells", "-o", "a$b"): "directory 'a$b': LAMMPS cannot read a path with '$' in it",

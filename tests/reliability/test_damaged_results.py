@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from lammps_skin.cli import main
@@ -57,3 +59,45 @@ def test_damaged_results(
                 main(command)
             err = capsys.readouterr().err
             assert (ended.value.code, err.count("\n")) in ((0, 0), (2, 1)), err
+
+
+def change(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(new.join(text.rsplit(old, 1)))
+
+
+def renumber_a_triangle(run: Path) -> None:
+    with h5py.File(run / "skin.h5", "r+") as file:
+        file["connectivity/triangles"][0, 0] = 10**6
+
+
+def make_a_mother_unknown(run: Path) -> None:
+    lines = (run / "events.csv").read_text().splitlines()
+    birth = next(n for n, line in enumerate(lines) if ",birth," in line)
+    words = lines[birth].split(",")
+    lines[birth] = ",".join([*words[:3], "1", *words[4:]])
+    (run / "events.csv").write_text("\n".join(lines) + "\n")
+
+
+@pytest.mark.parametrize(
+    ("damaged", "told"),
+    [
+        (renumber_a_triangle, "its triangles are not those of its membrane"),
+        (make_a_mother_unknown, "does not go with the trajectory: "),
+        (lambda run: (run / "events.csv").write_text("x"), "is not the events.csv of a run"),
+        (lambda run: change(run / "log.lammps", "c_bend", "c_bent"), "other columns later on"),
+    ],
+    ids=["triangle", "mother", "log", "heading"],
+)
+def test_what_is_wrong_is_told(
+    damaged: Callable[[Path], object], told: str, finished: Path, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(finished, "run")
+    damaged(Path("run"))
+    with pytest.raises(SystemExit) as ended:
+        main(["stats", "run"])
+    assert ended.value.code == 2
+    assert told in capsys.readouterr().err
