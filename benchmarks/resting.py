@@ -1,5 +1,7 @@
 """How much of the membrane and of the dermis moves slowly, from one frame of a run to the next.
 
+The run is made first, with frames that lie close enough:
+
     skin run paper-ring --set output.dump_interval=10.0 -o runs/paper-ring
     python benchmarks/resting.py runs/paper-ring [--speed 0.001]
 """
