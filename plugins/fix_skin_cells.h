@@ -37,6 +37,11 @@ class FixSkinCells : public Fix {
   void forget_detached_after(double);
   bool any_astray();
 
+  // some or all of the forces of this fix
+
+  enum Forces { ATTACHMENT = 1, SPRINGS = 2 };
+  void add_forces(int which, int vflag);
+
  private:
   enum Kind { NONE, STEM, TA, EXHAUSTED, ND, NKINDS };
   enum Term { ADHESION, BINDING, DIVISION, NTERMS };

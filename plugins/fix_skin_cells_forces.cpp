@@ -17,11 +17,19 @@
 using namespace LAMMPS_NS;
 
 /* ----------------------------------------------------------------------
-   forces on cells and on owned and ghost membrane particles: added before the reverse
-   communication, which sends those on ghosts home
+   added before the reverse communication, which sends forces on ghosts home
 ------------------------------------------------------------------------- */
 
 void FixSkinCells::pre_reverse(int /*eflag*/, int vflag)
+{
+  add_forces(ATTACHMENT | SPRINGS, vflag);
+}
+
+/* ----------------------------------------------------------------------
+   forces on cells and on owned and ghost membrane particles
+------------------------------------------------------------------------- */
+
+void FixSkinCells::add_forces(int which, int vflag)
 {
   refresh_state();
   if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) list_cells();
@@ -33,8 +41,8 @@ void FixSkinCells::pre_reverse(int /*eflag*/, int vflag)
     const int i = cells[k];
     const SkinNearest::Neighbor closest =
         nearest.nearest_candidate(k, atom->x[i], atom->x[0], atom->tag);
-    attach(i, closest);
-    if (state.pair[i]) pull_pair(i);
+    if (which & ATTACHMENT) attach(i, closest);
+    if ((which & SPRINGS) && state.pair[i]) pull_pair(i);
     write_row(i, closest);
   }
 }

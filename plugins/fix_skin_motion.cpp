@@ -43,14 +43,15 @@ static constexpr double LONGEST_INVERTED = 2.0;
 
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), rounding(0.0),
-    round_every(1), cells(nullptr), bend(nullptr), steps(0), divided(0), parts(0), evaluations(0),
-    limited(0), slowest(1.0), offender(-1), inverted_time(0.0)
+    round_every(1), cells(nullptr), bend(nullptr), built_call(-1), built_step(-1), steps(0),
+    divided(0), parts(0), evaluations(0), limited(0), slowest(1.0), beyond(0), offender(-1),
+    inverted_time(0.0)
 {
   parse(narg, arg);
 
   time_integrate = 1;
   vector_flag = 1;
-  size_vector = 6;
+  size_vector = 7;
   extvector = 0;
   global_freq = 1;
   comm_reverse = 1;
@@ -159,9 +160,12 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
   double remaining = dt, part = dt;
   int nparts = 0;
 
+  note_lists();
   while (remaining > 0.0) {
     keep_start();
     find_mobility();
+    count_limited();
+    start_mobility = mobility;
     part = method.stages.size() > 1 ? std::min(part, remaining) : euler_part(remaining);
     while (!advance(part, dt - remaining)) part *= 0.5;
 
@@ -178,25 +182,6 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
   parts += nparts;
   evaluations++;
   if (nparts > 1) divided++;
-}
-
-/* ----------------------------------------------------------------------
-   a particle beyond a fixed end of the box would be dropped at the next exchange
-------------------------------------------------------------------------- */
-
-void FixSkinMotion::check_box() const
-{
-  const bool fixed[2] = {domain->boundary[2][0] == 1, domain->boundary[2][1] == 1};
-  if (!fixed[0] && !fixed[1]) return;
-
-  for (int i = 0; i < atom->nlocal; i++) {
-    const double z = atom->x[i][2];
-    if ((z < domain->boxlo[2] && fixed[0]) || (z >= domain->boxhi[2] && fixed[1]))
-      error->one(FLERR,
-                 "Fix skin/motion: atom {} of type {} leaves the box on step {}: z = {}, the box is "
-                 "from {} to {}", atom->tag[i], atom->type[i], update->ntimestep, z,
-                 domain->boxlo[2], domain->boxhi[2]);
-  }
 }
 
 /* ----------------------------------------------------------------------
@@ -269,6 +254,7 @@ double FixSkinMotion::euler_part(double longest)
 bool FixSkinMotion::advance(double part, double since)
 {
   const int nstages = (int) method.stages.size();
+  mobility = start_mobility;
 
   for (int s = 0; s < nstages; s++) {
     const Move move = stage(method.stages[s], part);
@@ -281,6 +267,7 @@ bool FixSkinMotion::advance(double part, double since)
     }
     if (s + 1 < nstages) {
       evaluate_forces(since + method.stages[s].time * part - update->dt);
+      if (method.order > 1) find_mobility();
     } else if (nstages > 1 && cells && cells->any_astray()) {
       if (divisible) {
         restore_start(since - update->dt);
@@ -307,12 +294,12 @@ FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
 
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(mask[i] & groupbit)) continue;
-    const double time = part * mobility[i];
+    const double time = part * mobility[i], start_time = part * start_mobility[i];
     double distsq = 0.0;
     for (int n = 3 * i; n < 3 * i + 3; n++) {
       const double old = x[n];
       x[n] = c.previous * old + c.before * before[n] + c.start * start[n] +
-          time * (c.force * f[n] + c.first * start_force[n]);
+          time * c.force * f[n] + start_time * c.first * start_force[n];
       before[n] = old;
       distsq += (x[n] - start[n]) * (x[n] - start[n]);
     }
@@ -362,7 +349,7 @@ void FixSkinMotion::restore_start(double offset)
 /* ----------------------------------------------------------------------
    numbers of divided steps, of parts of steps and of force evaluations; fraction of the
    particles whose mobility was limited, in the mean over parts; the lowest mobility of any;
-   steps
+   steps; particles that the neighbor lists did not reach, summed over stages
 ------------------------------------------------------------------------- */
 
 double FixSkinMotion::compute_vector(int n)
@@ -380,7 +367,10 @@ double FixSkinMotion::compute_vector(int n)
     MPI_Allreduce(&slowest, &all, 1, MPI_DOUBLE, MPI_MIN, world);
     return all;
   }
-  return (double) steps;
+  if (n == 5) return (double) steps;
+  bigint all = 0;
+  MPI_Allreduce(&beyond, &all, 1, MPI_LMP_BIGINT, MPI_SUM, world);
+  return (double) all;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -388,5 +378,6 @@ double FixSkinMotion::compute_vector(int n)
 double FixSkinMotion::memory_usage()
 {
   return (double) (start.capacity() + start_force.capacity() + before.capacity() +
-                   stiffness.capacity() + mobility.capacity()) * sizeof(double);
+                   stiffness.capacity() + mobility.capacity() + start_mobility.capacity() +
+                   listed.capacity()) * sizeof(double);
 }

@@ -5,6 +5,7 @@
 
 #include "skin_stages.h"
 
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -34,13 +35,20 @@ class FixSkinMotion : public Fix {
   // one part of a step
 
   std::vector<double> start, start_force, before;    // positions, forces; those two stages ago
-  std::vector<double> stiffness, mobility;           // of owned and ghost, of owned particles
+  std::vector<double> stiffness;                     // of owned and ghost particles
+  std::vector<double> mobility, start_mobility;
+
+  // positions at the neighbor build that the lists belong to
+
+  std::vector<double> listed;
+  bigint built_call, built_step;
 
   // what happened since the fix was defined
 
   bigint steps, divided, parts, evaluations;
   bigint limited;            // particles with a lower mobility, summed over parts
   double slowest;            // lowest mobility of any
+  bigint beyond;             // particles that the neighbor lists do not reach, summed over stages
 
   struct Move {
     double length;
@@ -58,11 +66,15 @@ class FixSkinMotion : public Fix {
   void restore_start(double);
   void find_pairs();
   void find_mobility();
-  void check_box() const;
+  void count_limited();
+  void note_lists();
+  void count_beyond();
   void round_positions();
   void evaluate_forces(double);
+  void check_box() const;
   void unstable(const Move &, double);
   std::string largest_term(int, int);
+  std::string strongest_pair(int, int);
 };
 
 }    // namespace LAMMPS_NS

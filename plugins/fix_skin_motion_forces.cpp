@@ -1,4 +1,4 @@
-// forces, mobilities and the error of a run that is unstable in fix skin/motion
+// forces, mobilities and the reach of neighbor lists in fix skin/motion
 
 #include "fix_skin_motion.h"
 
@@ -10,9 +10,9 @@
 #include "bond.h"
 #include "comm.h"
 #include "dihedral.h"
-#include "error.h"
 #include "force.h"
 #include "modify.h"
+#include "neighbor.h"
 #include "pair.h"
 #include "update.h"
 
@@ -40,7 +40,17 @@ void FixSkinMotion::find_mobility()
   for (int i = 0; i < nlocal; i++) {
     if (!(stiffness[i] > stiffness_limit)) continue;
     mobility[i] = stiffness_limit / stiffness[i];
-    slowest = std::min(slowest, mobility[i]);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinMotion::count_limited()
+{
+  if (std::isinf(stiffness_limit)) return;
+  for (const double m : mobility) {
+    if (m >= 1.0) continue;
+    slowest = std::min(slowest, m);
     limited++;
   }
 }
@@ -68,6 +78,7 @@ void FixSkinMotion::unpack_reverse_comm(int n, int *list, double *buf)
 void FixSkinMotion::evaluate_forces(double offset)
 {
   evaluations++;
+  count_beyond();
   if (cells) cells->within_step(offset);
   comm->forward_comm();
 
@@ -83,52 +94,28 @@ void FixSkinMotion::evaluate_forces(double offset)
   if (modify->n_post_force_any) modify->post_force(0);
 }
 
-/* ---------------------------------------------------------------------- */
-
-void FixSkinMotion::unstable(const Move &move, double part)
-{
-  double what[3] = {0.0, 0.0, 0.0};
-  if (move.rank == comm->me && offender >= 0) {
-    const double *f = atom->f[offender];
-    what[0] = (double) atom->tag[offender];
-    what[1] = atom->type[offender];
-    what[2] = std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-  }
-  MPI_Bcast(what, 3, MPI_DOUBLE, move.rank, world);
-  const std::string term = largest_term(move.rank, offender);
-  error->all(FLERR,
-             "Fix skin/motion: the run is unstable on step {}: the force on atom {} of type {} is "
-             "{}, most of it from {}, which would need a timestep of {}; try a smaller timestep "
-             "than {}",
-             update->ntimestep, (tagint) what[0], (int) what[1], what[2], term, part, update->dt);
-}
-
 /* ----------------------------------------------------------------------
-   which kind of forces is the largest on the particle i of a rank
+   neighbor lists hold for particles within half of the skin from where they were at the build
 ------------------------------------------------------------------------- */
 
-std::string FixSkinMotion::largest_term(int rank, int i)
+void FixSkinMotion::note_lists()
 {
-  static const char *const NAMES[] = {"pair forces", "stretch", "bend", "cells"};
-  const size_t n = 3 * (size_t) (atom->nlocal + atom->nghost);
-  double largest = -1.0;
-  int which = 0;
+  if (built_call == neighbor->ncalls && built_step == neighbor->lastcall) return;
+  built_call = neighbor->ncalls;
+  built_step = neighbor->lastcall;
+  const size_t n = 3 * (size_t) atom->nlocal;
+  const double *const x = n ? atom->x[0] : nullptr;
+  listed.assign(x, x + n);
+}
 
-  for (int term = 0; term < 4; term++) {
-    if (n) std::fill(atom->f[0], atom->f[0] + n, 0.0);
-    if (term == 0 && force->pair) force->pair->compute(0, 0);
-    if (term == 1 && force->bond) force->bond->compute(0, 0);
-    if (term == 2 && force->dihedral) force->dihedral->compute(0, 0);
-    if (term == 3 && cells) cells->pre_reverse(0, 0);
-    comm->reverse_comm();
-    if (rank != comm->me || i < 0) continue;
-    const double *f = atom->f[i];
-    const double size = f[0] * f[0] + f[1] * f[1] + f[2] * f[2];
-    if (!(size <= largest)) {
-      largest = std::isnan(size) ? INFINITY : size;
-      which = term;
-    }
+/* ---------------------------------------------------------------------- */
+
+void FixSkinMotion::count_beyond()
+{
+  const double reachsq = 0.25 * neighbor->skin * neighbor->skin;
+  const double *const x = atom->nlocal ? atom->x[0] : nullptr, *const y = listed.data();
+  for (int n = 0; n < 3 * atom->nlocal; n += 3) {
+    const double dx = x[n] - y[n], dy = x[n + 1] - y[n + 1], dz = x[n + 2] - y[n + 2];
+    beyond += dx * dx + dy * dy + dz * dz > reachsq;
   }
-  MPI_Bcast(&which, 1, MPI_INT, rank, world);
-  return NAMES[which];
 }

@@ -112,18 +112,18 @@ void PairSkin::tally()
 void PairSkin::check_overlap() const
 {
   for (size_t kind = 0; kind < least.size(); kind++) {
-    const double closest = core * of_kind[kind][CONTACT];
-    if (!(least[kind] < closest * closest)) continue;
+    const double within = closest(of_kind[kind]);
+    if (!(least[kind] < within * within)) continue;
     for (const auto &[i, j] : contacts.of_kind[kind]) {
       const double *const x = atom->x[i], *const y = atom->x[j];
       const double r = std::sqrt((x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) +
                                  (x[2] - y[2]) * (x[2] - y[2]));
-      if (r < closest)
+      if (r < within)
         error->one(FLERR,
                    "Pair {}: atoms {} and {} of types {} and {} overlap on step {}: their distance "
                    "is {}, less than {}; try a smaller timestep than {}",
                    style, atom->tag[i], atom->tag[j], atom->type[i], atom->type[j],
-                   update->ntimestep, r, closest, update->dt);
+                   update->ntimestep, r, within, update->dt);
     }
   }
 }
@@ -141,6 +141,13 @@ double PairSkin::phi(double x)
 double PairSkin::range(const double *c) const
 {
   return c[CONTACT] * c[ncoeffs - 1];
+}
+
+/* ---------------------------------------------------------------------- */
+
+double PairSkin::closest(const double *c) const
+{
+  return core * c[CONTACT];
 }
 
 /* ---------------------------------------------------------------------- */

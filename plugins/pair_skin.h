@@ -11,7 +11,8 @@
 namespace LAMMPS_NS {
 
 // what the pair styles of the skin have in common; each has coefficients, of which the first is a
-// stiffness, the second a contact length and the last a range in contact lengths
+// stiffness, 0 for no pairs at all, the second a contact length and the last mostly a range in
+// contact lengths
 
 class PairSkin : public Pair {
  public:
@@ -51,6 +52,11 @@ class PairSkin : public Pair {
   virtual double slope(double rsq, const double *coeffs) const = 0;
   virtual double energy(double r, const double *coeffs) const = 0;
 
+  // distance up to which there are forces, and below which a run ends
+
+  virtual double range(const double *coeffs) const;
+  virtual double closest(const double *coeffs) const;
+
   static double phi(double x);    // the Lennard-Jones shape with its minimum -1/12 at 1
 
  private:
@@ -68,7 +74,6 @@ class PairSkin : public Pair {
   void allocate();
   void find_kinds();
   void tally();
-  double range(const double *) const;
 };
 
 }    // namespace LAMMPS_NS

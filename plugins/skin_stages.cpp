@@ -2,13 +2,6 @@
 
 using namespace LAMMPS_NS;
 
-/* ---------------------------------------------------------------------- */
-
-SkinStages SkinStages::euler()
-{
-  return first_order(1);
-}
-
 /* ----------------------------------------------------------------------
    shifted Legendre polynomials of degree s; one stage is forward Euler
 ------------------------------------------------------------------------- */
@@ -32,7 +25,7 @@ SkinStages SkinStages::second_order(int s)
   std::vector<double> b(s + 1, 1.0 / 3.0);
   for (int j = 3; j <= s; j++) b[j] = (j * j + j - 2.0) / (2.0 * j * (j + 1.0));
 
-  SkinStages method = {{{1.0, 0.0, 0.0, b[1] * w, 0.0, b[1] * w}}, reach};
+  SkinStages method = {{{1.0, 0.0, 0.0, b[1] * w, 0.0, b[1] * w}}, reach, 2};
   for (int j = 2; j <= s; j++) {
     const double mu = (2.0 * j - 1.0) / j * b[j] / b[j - 1];
     const double nu = (1.0 - j) / j * b[j] / b[j - 2];

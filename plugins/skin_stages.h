@@ -16,8 +16,8 @@ struct SkinStage {
 struct SkinStages {
   std::vector<SkinStage> stages;
   double reach = 0.0;    // dt times the largest eigenvalue must stay below this
+  int order = 1;
 
-  static SkinStages euler();
   static SkinStages first_order(int);
   static SkinStages second_order(int);
 };

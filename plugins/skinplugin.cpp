@@ -5,6 +5,7 @@
 #include "fix_skin_cells.h"
 #include "fix_skin_motion.h"
 #include "pair_skin_adhesion.h"
+#include "pair_skin_core.h"
 #include "pair_skin_dermis.h"
 #include "pair_skin_lj.h"
 
@@ -48,6 +49,11 @@ static void *create_dihedral_skin_bend(LAMMPS *lmp)
 static void *create_pair_skin_adhesion(LAMMPS *lmp)
 {
   return new PairSkinAdhesion(lmp);
+}
+
+static void *create_pair_skin_core(LAMMPS *lmp)
+{
+  return new PairSkinCore(lmp);
 }
 
 static void *create_pair_skin_dermis(LAMMPS *lmp)
@@ -96,6 +102,12 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.name = "skin/adhesion";
   plugin.info = "weak adhesion of cells";
   plugin.creator.v1 = &create_pair_skin_adhesion;
+  register_plugin(&plugin, lmp);
+
+  plugin.style = "pair";
+  plugin.name = "skin/core";
+  plugin.info = "ends a run where particles overlap too much";
+  plugin.creator.v1 = &create_pair_skin_core;
   register_plugin(&plugin, lmp);
 
   plugin.style = "pair";

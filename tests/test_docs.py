@@ -367,6 +367,6 @@ def test_terms() -> None:
         r'style = "(\w+)";\s*plugin.name = "([\w/]+)"', text("plugins/skinplugin.cpp")
     )
     styles = {f"{style}{'' if style == 'fix' else '_style'} {name}" for style, name in registered}
-    assert ours | {"fix skin/motion"} == styles
+    assert ours | {"fix skin/motion", "pair_style skin/core"} == styles
     titles = re.findall(r"^# (.+) command$", "\n".join(map(text, PAGES_OF_STYLES)), re.MULTILINE)
     assert sorted(titles) == sorted(styles)

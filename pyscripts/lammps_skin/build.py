@@ -20,6 +20,7 @@ from lammps_skin.terms import (
     StyledTerm,
     adhesion_stiffness,
     cell_kinds,
+    cores,
     division_spring,
     pair_terms,
     stretch_term,
@@ -28,7 +29,8 @@ from lammps_skin.terms import (
 
 INPUTS = Path(__file__).resolve().parent / "lammps_inputs"
 SCRIPTS = (
-    "skin.in", "state.in", "membrane.in", "dermis.in", "cells.in", "integration.in", "output.in",
+    "skin.in", "state.in", "cores.in", "membrane.in", "dermis.in", "cells.in", "integration.in",
+    "output.in",
 )  # fmt: skip
 SCENE_FILE = "scene.toml"
 CORE = 0.5  # of the contact length: no cell comes so close to the membrane
@@ -82,7 +84,10 @@ def _write(scene: Scene, directory: Path, configuration: Configuration) -> None:
 
 
 def _needed(script: str, scene: Scene) -> bool:
-    absent = {"dermis.in": not scene.dermis.present, "cells.in": not scene.has_cells}
+    absent = {
+        "dermis.in": not scene.dermis.present, "cells.in": not scene.has_cells,
+        "cores.in": not cores(scene),
+    }  # fmt: skip
     return not absent.get(script, False)
 
 
@@ -129,11 +134,16 @@ def _variables(
     yield string("collections", *_collections(scene))
     yield index("bin_size", scene.spacing + scene.numerics.neighbor_skin)
     yield "\n# pair terms: sub-style, where its table is if it has one, and its coefficients"
-    yield string("pair_styles", *(term.style for term in terms))
+    watched = cores(scene)
+    styles = ["skin/core"] * bool(watched) + [term.style for term in terms]
+    yield string("pair_styles", *styles)
     for term, style in zip(terms, _numbered(terms), strict=True):
         yield string(f"{term.name}_style", style)
         yield index(f"{term.name}_path", "${dir}/" if term.table else '""')
         yield string(term.name, term.coefficients)
+    yield index("has_cores", int(bool(watched)))
+    for pair, core in watched.items():
+        yield string(f"{pair}_core", core)
     yield "\n# membrane"
     stretch = stretch_term(scene)
     yield string("stretch_style", stretch.style)

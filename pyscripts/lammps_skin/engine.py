@@ -82,7 +82,8 @@ class Motion(NamedTuple):
     """How particles were moved, since LAMMPS was opened.
 
     Steps that were divided, parts of steps, force evaluations, the fraction of particles whose
-    mobility was lowered, the lowest mobility of any, and steps: the vector of fix skin/motion.
+    mobility was lowered, the lowest mobility of any, steps, and particles that the neighbor lists
+    did not reach, summed over stages: the vector of fix skin/motion.
     """
 
     divided: float
@@ -91,6 +92,7 @@ class Motion(NamedTuple):
     lowered: float
     lowest_mobility: float
     steps: float
+    beyond_lists: float
 
 
 class Engine:

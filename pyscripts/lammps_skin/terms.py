@@ -35,6 +35,16 @@ TERMS = (
 )
 """Names of all terms of the model."""
 
+PAIRS = {
+    "dermis_dermis": "dermal_dermal",
+    "dermis_membrane": "dermal_membrane",
+    "membrane_exclusion": "membrane_membrane",
+    "cell_membrane_exclusion": "membrane_cell",
+    "cell_cell_exclusion": "cell_cell",
+    "cell_cell_adhesion": "cell_cell",
+}
+"""Between which particles the pair terms are."""
+
 
 @dataclass(frozen=True)
 class StyledTerm:
@@ -153,6 +163,24 @@ def pair_terms(scene: Scene) -> list[StyledTerm]:
         coefficients = f"{shape.name}.table {table.keyword} {cutoff!r}"
         terms.append(StyledTerm(shape.name, style, coefficients, cutoff, table))
     return terms
+
+
+def cores(scene: Scene) -> dict[str, str]:
+    """Style and coefficients by which stock pair styles are watched, for pairs of particles.
+
+    Empty where there is nothing to watch: the pair styles of the plugin know their cores. Fix
+    skin/cells watches cells and the membrane, but not before a table has come to its end.
+    """
+    form = scene.numerics.pair_form
+    if form == "skin":
+        return {}
+    found = {PAIRS[shape.name]: "none" for shape in pair_shapes(scene)}
+    for shape in pair_shapes(scene):  # exclusion comes before adhesion
+        if shape.name == "cell_membrane_exclusion" and form == "analytic":
+            continue
+        if shape.stiffness and found[PAIRS[shape.name]] == "none":
+            found[PAIRS[shape.name]] = f"skin/core {shape.inner!r} {shape.contact!r}"
+    return found if set(found.values()) != {"none"} else {}
 
 
 def wall_coefficients(scene: Scene) -> str:

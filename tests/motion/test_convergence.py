@@ -15,6 +15,7 @@ from tests.cells.conftest import CONTACT, HALF_SEPARATION, HEIGHT, membrane_scen
 ORDERS = {"euler": 1, "rkl1": 1, "rkl2": 2}
 END = 2.0
 TOLERANCE = 0.1
+LIMIT = 1.0  # of stiffness: 99 % of the particles move slower, but not all
 
 
 def observed(errors: list[float]) -> np.ndarray:
@@ -22,13 +23,14 @@ def observed(errors: list[float]) -> np.ndarray:
     return np.log2(np.array(errors[:-1]) / errors[1:])
 
 
-def sheet(integrator: str, timestep: float) -> Scene:
+def sheet(integrator: str, timestep: float, limit: float = 0.0, move: float = 0.0) -> Scene:
     return Scene.load("bare-membrane").replace(
         **{
             "membrane.lattice": [12, 14], "membrane.noise": 0.05, "output.dump_interval": 0.0,
             "output.thermo_interval": 2.0, "numerics.accuracy": "reference",
             "numerics.integrator": integrator,
-            "numerics.stages": 5, "numerics.timestep": timestep, "numerics.largest_move": 0.0,
+            "numerics.stages": 5, "numerics.timestep": timestep, "numerics.largest_move": move,
+            "numerics.stiffness_limit": limit,
         }
     )  # fmt: skip
 
@@ -40,19 +42,36 @@ def smooth_sheet(scene: Scene, start: Configuration) -> np.ndarray:
             simulation.command(command)
         simulation.run(until=END)
         moved: np.ndarray = simulation.forces().positions
+        motion = simulation.motion()
+    if scene.numerics.stiffness_limit:
+        assert 0.9 < motion.lowered < 1
+    if scene.numerics.largest_move:
+        assert motion.divided == motion.steps
     return moved
 
 
+@pytest.mark.parametrize("limit", [0.0, LIMIT])
 @pytest.mark.parametrize(("integrator", "order"), ORDERS.items())
-def test_membrane(integrator: str, order: int) -> None:
+def test_membrane(integrator: str, order: int, limit: float) -> None:
     start = Configuration.from_scene(sheet("rkl2", 0.01))
-    exact = smooth_sheet(sheet("rkl2", END / 2048), start)
-    timesteps = [END / n for n in (64, 128, 256)]
+    exact = smooth_sheet(sheet("rkl2", END / 2048, limit), start)
     errors = [
-        float(np.abs(smooth_sheet(sheet(integrator, dt), start) - exact).max()) for dt in timesteps
+        float(np.abs(smooth_sheet(sheet(integrator, END / n, limit), start) - exact).max())
+        for n in (64, 128, 256)
     ]
     assert np.abs(start.positions - exact).max() > 100 * errors[0] > 0
     np.testing.assert_allclose(observed(errors), order, atol=TOLERANCE)
+
+
+def test_divided_euler() -> None:
+    """Where every step is divided, the largest move takes the place of the timestep."""
+    start = Configuration.from_scene(sheet("rkl2", 0.01))
+    exact = smooth_sheet(sheet("rkl2", END / 2048), start)
+    errors = [
+        float(np.abs(smooth_sheet(sheet("euler", END, move=move), start) - exact).max())
+        for move in (2e-4, 1e-4, 5e-5)
+    ]
+    np.testing.assert_allclose(observed(errors), 1, atol=TOLERANCE)
 
 
 def pair_length(integrator: str, timestep: float, directory: Path) -> float:

@@ -1,0 +1,88 @@
+"""pair_style skin/core: no force, and an error where particles are closer than their core."""
+
+import re
+from pathlib import Path
+
+import pytest
+from lammps_skin.engine import open_lammps
+from test_pair_styles import BOX
+
+from tests.reliability.conftest import try_script
+
+CORE, CONTACT = 0.25, 1.2
+PAIR = f"""
+    pair_style hybrid/overlay skin/core lj/cut 2.0
+    pair_coeff * * lj/cut 0.1 1.0
+    pair_coeff 1 2 skin/core {CORE} {CONTACT}
+"""
+
+
+@pytest.mark.parametrize(("apart", "ends"), [(0.301, False), (0.299, True), (7.701, True)])
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_closer_than_the_core(apart: float, ends: bool, ranks: int, tmp_path: Path) -> None:
+    """Also across the periodic edge, where 8 - 7.701 is less than 0.3, and with more ranks."""
+    begin = BOX.split("create_atoms")[0]
+    script = f"""{begin}
+        create_atoms 1 single 0.1 4 4
+        create_atoms 2 single {0.1 + apart} 4 4
+        mass * 1
+        special_bonds lj/coul 0.0 1.0 1.0
+        {PAIR}
+        run 0
+    """
+    output = try_script(tmp_path, script, ranks=ranks).stdout
+    error = (
+        r"Pair skin/core: atoms (1 and 2 of types 1 and 2|2 and 1 of types 2 and 1) overlap on "
+        r"step 0: their distance is 0\.299\d*, less than 0\.3; try a smaller timestep than 0\.005"
+    )
+    assert bool(re.search(error, output)) == ends, output
+    assert ("ERROR" in output) == ends
+
+
+def test_no_force_and_no_energy() -> None:
+    values = []
+    for commands in (PAIR, PAIR.replace("skin/core lj", "lj").rsplit("\n", 2)[0]):
+        engine = open_lammps(["-log", "none"])
+        engine.commands_string(f"{BOX}\n{commands}\nrun 0 post no")
+        values.append([engine.get_thermo(name) for name in ("pe", "fmax", "pxx", "pyz")])
+        engine.close()
+    assert values[0] == values[1]
+    assert values[0][0] != 0
+
+
+def test_alone_and_with_itself() -> None:
+    """As the only pair style; energies of pairs within the core are 0, too."""
+    engine = open_lammps(["-log", "none"])
+    engine.commands_string(f"{BOX}\npair_style skin/core\npair_coeff * * 0.9 1.0")
+    engine.command("run 0 post no")
+    assert engine.get_thermo("pe") == 0
+    with pytest.raises(Exception, match="overlap on step 0"):
+        engine.commands_string("create_atoms 2 single 4.1 4.8 4\nrun 0 post no")
+    engine.close()
+
+
+@pytest.mark.parametrize(
+    ("coefficients", "message"),
+    [
+        ("0.3", "skin/core needs 2 coefficients .* got 1"),
+        ("1.0 1.0", "core = 1.0 must be a number > 0 and < 1"),
+        ("0 1.0", "core = 0 must be a number > 0 and < 1"),
+        ("0.3 0", "contact length = 0 must be a number > 0"),
+    ],
+)
+def test_refused(coefficients: str, message: str, tmp_path: Path) -> None:
+    output = try_script(
+        tmp_path, f"{BOX}\npair_style skin/core\npair_coeff * * {coefficients}"
+    ).stdout
+    assert re.search(f"ERROR.*{message}", output), output
+
+
+def test_coefficients_survive_a_restart_file(tmp_path: Path) -> None:
+    engine = open_lammps(["-log", "none"])
+    engine.commands_string(f"{BOX}\npair_style skin/core\npair_coeff * * {CORE} {CONTACT}")
+    engine.commands_string(f"run 0\nwrite_restart {tmp_path}/state\nclear")
+    engine.command(f"read_restart {tmp_path}/state")
+    engine.command("set atom 2 x 3.2")
+    with pytest.raises(Exception, match=r"overlap .* is 0\.2\d*, less than 0\.3"):
+        engine.command("run 0 post no")
+    engine.close()
