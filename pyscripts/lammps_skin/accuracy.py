@@ -86,6 +86,16 @@ def numerics(
     return values
 
 
+def reach(integrator: str, stages: int) -> float:
+    """Timestep times largest eigenvalue up to which a step is stable, docs/fix_skin_motion.md.
+
+    On the negative real axis: 2 for forward Euler, s^2 + s and (s^2 + s - 2) / 2 for the
+    Runge-Kutta-Legendre methods of order 1 and 2 with s stages.
+    """
+    s = stages
+    return {"euler": 2.0, "rkl1": s * s + s, "rkl2": (s * s + s - 2) / 2}[integrator]
+
+
 def _timestep(longest: float, intervals: Sequence[float], short: float) -> float:
     """The longest of `TIMESTEPS` that fits, or the shortest of them."""
     for timestep in TIMESTEPS:

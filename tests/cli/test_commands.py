@@ -193,6 +193,9 @@ def test_a_run_says_what_was_changed_for_its_stability(skin):
     slow = "numerics.stiffness_limit=0.001"
     answer = skin("run", "two-cells", "--until", "1", "-o", "slow", "--set", slow)
     assert re.search(r"[1-9]\d\.\d\d% of the particles slowed", answer.out)
+    short = ("--set", "numerics.accuracy=fast", "--set", "numerics.neighbor_skin=0.02")
+    answer = skin("run", "two-cells", "--until", "20", "-o", "short", *short)
+    assert re.search(r"\d% of the particles moved beyond the neighbor lists", answer.out)
 
 
 def test_what_cannot_be_resumed(skin, tmp_path):

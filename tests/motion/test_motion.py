@@ -109,6 +109,21 @@ def test_hopeless_steps_end_the_run() -> None:
         state_after(scene, configuration, 0.1)
 
 
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_particles_beyond_the_neighbor_lists(ranks: int) -> None:
+    """All drift by 0.25 in a step; at stage 4 of 5 alone they are beyond half of the skin."""
+    scene, configuration = sheet(
+        **{
+            "membrane.noise": 0.0, "numerics.integrator": "rkl1", "numerics.stages": 5,
+            "numerics.timestep": 0.25, "numerics.largest_move": 0.0, "numerics.neighbor_skin": 0.3,
+        }
+    )  # fmt: skip
+    with Simulation(scene, configuration=configuration, ranks=ranks) as simulation:
+        simulation.command("fix drift all addforce 1 0 0")
+        simulation.run(until=1.0)
+        assert simulation.motion().beyond_lists == 4 * len(configuration.positions)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -84,7 +84,7 @@ def test_a_variant_that_fails_is_reported(laboratory, busy):
 
 
 def test_distance_across_the_periodic_sides():
-    motion = Motion(0, 0, 0, 0, 1, 0)
+    motion = Motion(0, 0, 0, 0, 1, 0, 0)
     one = Reached(np.arange(3), np.array([[0.1, 0.2, 5], [3, 3, 5], [1, 2, 5]]), motion)
     two = Reached(np.arange(3), np.array([[9.9, 7.9, 5.1], [3, 3, 5], [1, 2, 5.1]]), motion)
     apart = distance(one, two, (10, 8, 100))

@@ -16,6 +16,7 @@ from lammps_skin.configuration import check_sizes
 from lammps_skin.kinds import Kind
 from lammps_skin.savings import Saving, candidates, measured
 from lammps_skin.scene import Scene
+from lammps_skin.stiffness import longest_timestep, stiffest, warning
 from lammps_skin.terms import TERMS
 
 
@@ -39,6 +40,8 @@ def check(
     _print("term", _terms(described))
     _print("size", _sizes(described))
     _print("numerics", _numerics(described))
+    if remark := warning(described):
+        console.print(remark)
     with console.status("measuring"):
         seconds = cost.measure(described) if measure else None
     _print("cost on one core", _costs(described, seconds))
@@ -113,6 +116,8 @@ def _numerics(scene: Scene) -> Iterator[tuple[str, ...]]:
     yield "integrator", f"{numerics.integrator}, {numerics.evaluations} force evaluations a step"
     yield "stiffness limit", f"{limit:g}" if limit else "none"
     yield "largest move of a step", f"{move:g}" if move else "any"
+    longest, name = longest_timestep(scene), stiffest(scene).name
+    yield "timesteps that can be stable", f"up to {longest:.3g}, for {name}"
     yield "parameters, forces", f"{scene.parameters}, {scene.force_scale}"
     yield "seeds", f"cells {scene.cell_seed}, dermis {scene.dermis_seed}"
     yield "timestep, end time", f"{numerics.timestep:g}, {scene.end_time:g}"

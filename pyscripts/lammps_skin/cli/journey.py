@@ -16,6 +16,7 @@ from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.simulation import Simulation
 
 NAMES = {Kind.STEM: "stem", Kind.TA: "TA", Kind.EXHAUSTED: "exhausted", Kind.ND: "ND"}
+NOTEWORTHY = 1e-4  # fraction of the particles
 PIECES = 200  # of a run at least, and none longer than a time unit: how often the bar moves
 
 
@@ -39,6 +40,7 @@ class Journey:
         self._first_cells = len(simulation.cells().ids)
         self._coverage: float | None = None
         self._motion: Motion | None = None
+        self._particles = 0
         self.births = 0
         self._look(self._start)
 
@@ -69,6 +71,7 @@ class Journey:
                     self._look(self._simulation.time)
         self._coverage = self._covered()
         self._motion = self._simulation.motion()
+        self._particles = len(self._simulation.forces().ids)
 
     def _look(self, time: float) -> None:
         """Cells by kind; births from the highest id, which are given in turn and never again."""
@@ -108,3 +111,14 @@ class Journey:
             divided = self._motion.divided / self._motion.steps
             slowed = self._motion.lowered
             yield f"{divided:.2%} of the steps divided, {slowed:.2%} of the particles slowed"
+        if self._motion and self._beyond() > NOTEWORTHY:
+            yield (
+                f"{self._beyond():.2%} of the particles moved beyond the neighbor lists within a "
+                "step; numerics.neighbor_skin is how far they reach"
+            )
+
+    def _beyond(self) -> float:
+        """Fraction of particles that the neighbor lists did not reach, in the mean."""
+        assert self._motion
+        within = self._motion.evaluations - self._motion.steps
+        return self._motion.beyond_lists / max(within * self._particles, 1.0)

@@ -19,6 +19,7 @@ from lammps_skin.results import RESTARTS, replaced_results
 from lammps_skin.scene import Scene
 from lammps_skin.scenes import BUILT_IN
 from lammps_skin.simulation import Simulation, check_run, start_time
+from lammps_skin.stiffness import warning
 
 FILES = {
     "events.csv": "births, ends of divisions, removals",
@@ -76,6 +77,8 @@ def _begun(
         keep_results(directory, "--resume goes on with it, --force replaces them")
     if until is not None:
         scene = _shortened(scene, directory, until)
+    if remark := warning(scene or load_built(directory)):
+        console.print(remark)
     with console.status("building"):
         configuration = Configuration.from_scene(scene) if scene else None
         with replaced_results(directory):

@@ -31,9 +31,10 @@ def stability(
     vary: Annotated[
         str,
         typer.Option(
-            metavar="NAMES", help="Of stiffness, stretch, bending, adhesion, division, crowding."
+            metavar="NAMES",
+            help="Of stiffness, stretch, bending, adhesion, spring, division, crowding.",
         ),
-    ] = "stretch,bending,adhesion,division,crowding",
+    ] = "stretch,bending,adhesion,spring,division,crowding",
     factors: Annotated[str, typer.Option(metavar="NUMBERS", help="By which it is scaled.")] = (
         "0.1,1,10"
     ),

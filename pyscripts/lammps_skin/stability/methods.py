@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple, get_args
 
+from lammps_skin.accuracy import reach
 from lammps_skin.errors import SceneError
 from lammps_skin.scene import Scene
 
@@ -20,6 +21,7 @@ SCALED: dict[str, tuple[str, ...]] = {
     "stretch": ("membrane.stretch_stiffness",),
     "bending": ("membrane.bending_stiffness",),
     "adhesion": ("cells.adhesion_stiffness", "cells.binding_stiffness"),
+    "spring": ("cells.division_stiffness",),
     "division": ("cells.division_rate",),
     CROWDING: ("cells.stem",),
 }
@@ -39,13 +41,8 @@ class Method(NamedTuple):
 
     @property
     def reach(self) -> float:
-        """Timestep times largest eigenvalue up to which a step is stable, docs/fix_skin_motion.md.
-
-        On the negative real axis: 2 for forward Euler, s^2 + s and (s^2 + s - 2) / 2 for the
-        Runge-Kutta-Legendre methods of order 1 and 2 with s stages.
-        """
-        s = self.stages
-        return {"euler": 2.0, "rkl1": s * s + s, "rkl2": (s * s + s - 2) / 2}[self.integrator]
+        """Timestep times largest eigenvalue up to which a step is stable."""
+        return reach(self.integrator, self.stages)
 
     def estimate(self, eigenvalue: float) -> float:
         """Longest stable timestep where this is the largest eigenvalue."""

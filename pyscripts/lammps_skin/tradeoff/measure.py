@@ -138,7 +138,7 @@ class Laboratory:
             try:
                 simulation.run(begin + self.interval, report, every=self.interval / PIECES)
             except SimulationError as error:
-                nobody = np.empty(0, int), np.empty((0, 3)), Motion(*[np.nan] * 6)
+                nobody = np.empty(0, int), np.empty((0, 3)), Motion(*[np.nan] * len(Motion._fields))
                 return Reached(*nobody, problem=str(error))
             after = simulation.forces()
             assert np.array_equal(after.ids, before), "an event in a run without events"
