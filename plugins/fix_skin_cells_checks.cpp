@@ -32,6 +32,9 @@ void FixSkinCells::check_cell(int i) const
     error->one(FLERR, "Fix skin/cells: cell {} is paired with {}, which is no other cell",
                atom->tag[i], state.pair[i]);
 
+  if (state.parent[i] == atom->tag[i])
+    error->one(FLERR, "Fix skin/cells: parent = {} of cell {} must be another cell, or 0 for none",
+               state.parent[i], atom->tag[i]);
   for (const auto &[name, value] : {std::pair{"divisions_done", state.divisions_done[i]},
                                     std::pair{"parent", state.parent[i]}})
     if (value < 0)

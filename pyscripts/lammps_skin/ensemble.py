@@ -25,6 +25,7 @@ from numpy.lib import recfunctions
 from lammps_skin import cost, observables
 from lammps_skin.analysis.geometry import Floats
 from lammps_skin.analysis.statistics import Mean, mean
+from lammps_skin.checkpoints import wait_for_others
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.observables import Table, open_run, save
 from lammps_skin.observables import load as load
@@ -78,18 +79,28 @@ class Member:
         return cost.estimate(self.scene).seconds
 
     def run(self, keep: bool = False, progress: Progress | None = None) -> None:
-        """Run to the end time, store the observables, remove the run directory."""
-        shutil.rmtree(self.directory, ignore_errors=True)
+        """Run to the end time, store the observables, remove the run directory.
+
+        What an earlier process has left there goes on from its last checkpoint.
+        """
 
         def report(time: float, _: Simulation) -> None:
             if progress:
                 progress(time)
 
-        with Simulation(self.scene, self.directory) as simulation:
+        with self._simulation() as simulation:
             simulation.run(progress=report, every=self.scene.end_time / REPORTS)
         self.store(self.directory)
         if not keep:
             shutil.rmtree(self.directory)
+
+    def _simulation(self) -> Simulation:
+        wait_for_others(self.directory)
+        try:
+            return Simulation.resume(self.directory)
+        except SkinError:
+            shutil.rmtree(self.directory, ignore_errors=True)
+            return Simulation(self.scene, self.directory)
 
     def store(self, directory: Path) -> None:
         """Store the observables of a run of this scene that has come to its end."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import resource
 
-from lammps_skin.errors import SceneError
+from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.packing import dermal_count
 from lammps_skin.scene import Scene
 
@@ -35,4 +35,13 @@ def check_memory(scene: Scene) -> None:
         raise SceneError(
             f"membrane.lattice = [{nx}, {ny}]: the scene has {particles:,} particles, which need "
             f"about {needed / 1e9:.3g} GB of memory; there are {available / 1e9:.3g} GB"
+        )
+
+
+def check_ranks(ranks: int) -> None:
+    """Raise `SimulationError` if so many processes need more memory than there is."""
+    if ranks * BASE > installed():
+        raise SimulationError(
+            f"ranks = {ranks}: each needs at least {BASE / 1e9:.3g} GB of memory; there are "
+            f"{installed() / 1e9:.3g} GB"
         )

@@ -17,6 +17,7 @@ from lammps_skin.data_file import check_places
 from lammps_skin.engine import FIX_TERMS, Cells, Engine, Floats, Forces, Ints, Motion
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.interruption import Interruption
+from lammps_skin.memory import check_ranks
 from lammps_skin.ranks import RankedEngine
 from lammps_skin.results import holds_results
 from lammps_skin.scene import Scene
@@ -298,6 +299,7 @@ def check_run(directory: Path, ranks: int, threads: int) -> None:
     for name, value in (("ranks", ranks), ("threads", threads)):
         if not isinstance(value, int) or not 1 <= value <= 4096:
             raise SimulationError(f"{name} = {value!r}: must be a whole number from 1 to 4096")
+    check_ranks(ranks)
     bad = sorted({c for c in str(directory.resolve()) if not "!" <= c <= "~" or c in "\"'$*%#"})
     if bad:
         raise SceneError(

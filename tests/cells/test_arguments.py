@@ -198,6 +198,10 @@ SETTINGS = [
         "Fix skin/cells: parent = -9 of cell 2 must be >= 0",
     ),
     (
+        {"paired": "set atom 2 i_parent 2"},
+        "Fix skin/cells: parent = 2 of cell 2 must be another cell, or 0 for none",
+    ),
+    (
         {"stem": "create_atoms 2 single 3 3 12"},
         "Fix skin/cells: stem cell 2 has lost the membrane on step 0",
     ),

@@ -2,6 +2,7 @@
 
 import gzip
 import os
+import signal
 
 import numpy as np
 import pytest
@@ -85,6 +86,35 @@ def test_a_process_that_dies_is_a_failure(scene, tmp_path, monkeypatch):
     monkeypatch.setattr("lammps_skin.ensemble._work", crash)
     (member,) = members([scene], [1], tmp_path)
     assert run_all([member]) == {member: "its process ended with exit code 7"}
+
+
+def test_a_killed_run_goes_on(scene, tmp_path):
+    """From its checkpoint; the table is that of a run in one go."""
+    (whole,) = members([scene], [2], tmp_path / "whole")
+    (killed,) = members([scene], [2], tmp_path / "killed")
+    killed.directory.parent.mkdir(parents=True)
+    child = os.fork()
+    if child == 0:
+        kept = {"checkpoint_interval": 0.5}
+        with Simulation(scene.replace(seed=2), killed.directory, variables=kept) as simulation:
+            simulation.run(until=1.7)
+            os.kill(os.getpid(), signal.SIGKILL)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
+    began = []
+    whole.run()
+    killed.run(progress=began.append)
+    assert 1.5 < began[0] < 1.6
+    assert killed.table.read_bytes() == whole.table.read_bytes()
+    assert not killed.directory.exists()
+
+
+def test_a_directory_that_is_in_use_is_left_alone(scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("lammps_skin.checkpoints.PATIENCE", 0.1)
+    (member,) = members([scene], [1], tmp_path)
+    with Simulation(member.scene, member.directory) as simulation:
+        with pytest.raises(SkinError, match="runs in"):
+            member.run()
+        simulation.run()
 
 
 def test_runs_from_elsewhere(skin, scene, tmp_path):

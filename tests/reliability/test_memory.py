@@ -10,7 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lammps_skin import memory
 from lammps_skin.engine import one_line, open_lammps
+from lammps_skin.errors import SimulationError
+from lammps_skin.simulation import Simulation
 
 from tests.cells.conftest import of_kind, read_events
 from tests.reliability.conftest import STATE
@@ -133,3 +136,13 @@ def test_the_largest_id_is_taken(lammps: Any, tmp_path: Path) -> None:
         lammps.command("run 100")
     lammps.command("clear")
     assert not read_events(tmp_path)
+
+
+def test_more_ranks_than_there_is_memory_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(memory, "installed", lambda: 2.5e9)
+    error = r"ranks = 26: each needs at least 0\.1 GB of memory; there are 2\.5 GB"
+    with pytest.raises(SimulationError, match=error):
+        Simulation("two-cells", tmp_path / "run", ranks=26)
+    assert not (tmp_path / "run").exists()

@@ -148,9 +148,13 @@ def newest_restart(directory: Path) -> str:
     return max(directory.glob("skin.*.restart"), key=lambda file: file.stat().st_mtime_ns).name
 
 
-@pytest.mark.parametrize(("first", "second"), [("python", "python"), ("python", "lmp"),
-                                               ("lmp", "python")])  # fmt: skip
-def test_resumed_runs_go_on_in_one_trajectory(run, built, first, second):
+@pytest.mark.parametrize(
+    "ways",
+    [("python", "python"), ("python", "lmp"), ("lmp", "python"), ("lmp", "python", "lmp"),
+     ("python", "lmp", "python", "lmp")],
+    ids="-".join,
+)  # fmt: skip
+def test_resumed_runs_go_on_in_one_trajectory(run, built, ways):
     """Frames after the restart file's step are replaced, and none is there twice."""
     given = {"checkpoint_interval": 2.0}
 
@@ -163,16 +167,25 @@ def test_resumed_runs_go_on_in_one_trajectory(run, built, first, second):
             ended = lmp(built, *(word for k, v in values for word in ("-var", k, str(v))))
             assert ended.returncode == 0, ended.stdout
 
-    by(first, 5.5)
-    by(second, 7.0, restart=newest_restart(built))
-    if second == "lmp":
+    by(ways[0], 2.5)
+    for n, way in enumerate(ways[1:]):
+        by(way, 4.5 + 2 * n, restart=newest_restart(built))
+    if ways[-1] == "lmp":
         convert(built)
     store = Store(built / "skin.h5")
-    assert store.steps.tolist() == list(range(0, 701, 50))
+    assert store.steps.tolist() == list(range(0, 200 * len(ways) + 51, 50))
     for frame, truth in zip(store, run.frames, strict=False):
         np.testing.assert_array_equal(frame.ids, truth.ids)
         np.testing.assert_allclose(frame.positions, truth.positions, atol=1e-9)
-    assert store.slots == max(int(frame.ids.max()) for frame in run.frames[:15])
+    assert store.slots == max(int(frame.ids.max()) for frame in run.frames[: len(store)])
+
+
+def test_a_damaged_file_is_not_overwritten(run, built):
+    shutil.copy(run.directory / "skin.dump", built)
+    (built / "skin.h5").write_bytes(b"what can perhaps be saved")
+    convert(built)
+    assert len(Store(built / "skin.h5")) == FRAMES
+    assert (built / "skin.h5.damaged").read_bytes() == b"what can perhaps be saved"
 
 
 def test_dates_of_files_do_not_decide_where_a_trajectory_goes_on(run, built):

@@ -26,7 +26,7 @@ def convert(directory: str | Path, output: str | Path | None = None) -> Converte
     """Write the trajectory of a run as HDF5, see docs/trajectory.md.
 
     If a run that Python drove was resumed with `lmp`, skin.h5 has the frames before the dump's
-    first, and they are kept.
+    first, and they are kept. A skin.h5 that cannot be read gets another name.
 
     Parameters
     ----------
@@ -77,7 +77,9 @@ def _earlier(directory: Path, dump: Dump, replacing: bool) -> bool:
     try:
         steps = Store(path).steps
     except SkinError:
-        return False  # broken: to be replaced
+        if replacing:
+            path.replace(path.with_name(f"{STORE}.damaged"))
+        return False
     if not len(steps):
         return False
     if replacing and trajectory_of(directory) == path and steps[-1] > dump.steps[-1]:

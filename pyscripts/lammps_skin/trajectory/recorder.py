@@ -81,7 +81,11 @@ class Recorder:
         return steps_between(self._interval, engine)
 
     def _begin(self, step: int) -> int:
-        """Make a skin.h5 that goes on at a step; the step of its last frame, -1 without any."""
+        """Make a skin.h5 that goes on at a step; the step of its last frame, -1 without any.
+
+        It has the frames of a dump that came before, so that a dump that comes after is known by
+        its first frame.
+        """
         directory = self.path.parent
         resumed = "restart" in self._variables
         if resumed and self._is_in_dump(directory):
@@ -90,11 +94,11 @@ class Recorder:
             shutil.copyfile(self.path, self._next)
             writer = TrajectoryWriter.append(self._next, until=step)
         else:
-            (directory / DUMP).unlink(missing_ok=True)
             members = connectivity(directory)
             writer = TrajectoryWriter(self._next, self._scene, *members, variables=self._variables)
         writer.close()
         self._next.replace(self.path)
+        (directory / DUMP).unlink(missing_ok=True)
         return writer.last_step
 
     def _is_in_dump(self, directory: Path) -> bool:
