@@ -19,6 +19,7 @@ from lammps_skin import checkpoints
 from lammps_skin.checkpoints import find_resumption
 from lammps_skin.errors import SkinError
 from lammps_skin.simulation import Simulation
+from lammps_skin.trajectory.store import Store
 
 from tests.checkpoints.disturbed import (
     CHECKPOINT,
@@ -144,7 +145,7 @@ def test_the_command_is_terminated_and_resumed(built: Path, undisturbed: Outcome
 
 
 def test_a_run_is_resumed_with_another_timestep(halfway: Path, tmp_path: Path) -> None:
-    """As the error of a run that was unstable says."""
+    """As the error of a run that was unstable says; frames keep to multiples of their interval."""
     directory = tmp_path / "run"
     shutil.copytree(halfway, directory)
     command = [*SKIN, "run", str(directory), "--resume", "--timestep", "0.01"]
@@ -153,6 +154,11 @@ def test_a_run_is_resumed_with_another_timestep(halfway: Path, tmp_path: Path) -
     assert "test: reached t = 8," in resumed.stdout
     with Simulation.resume(directory) as ended:
         assert (ended.timestep, ended.time) == (0.01, pytest.approx(END))
+        interval = ended.scene.output.dump_interval
+    store = Store(directory / "skin.h5")
+    times = [frame.time for frame in store]
+    np.testing.assert_allclose(times, np.arange(len(times)) * interval, atol=1e-6)
+    assert END - interval < times[-1] <= END
 
 
 # ---- other deaths

@@ -49,20 +49,21 @@ class Recorder:
 
     def stops(self, engine: Any, step: int) -> Iterator[int]:
         """Steps of frames on the way to a step, and that step itself."""
-        every = self._every(engine)
+        every, now = self._every(engine), self._counted(engine)
         if every:
-            yield from range((engine.step() // every + 1) * every, step, every)
+            yield from range(engine.step() + every - now % every, step, every)
         yield step
 
     def record(self, engine: Any) -> None:
         """Write a frame if one is due now; raises `SkinError` if it cannot be written."""
         every, step = self._every(engine), engine.step()
-        if not every or step % every:
+        if not every:
             return
+        due = self._counted(engine) % every == 0
         try:
             if self._last_step is None:
                 self._last_step = self._begin(step)
-            if step != self._last_step:
+            if due and step != self._last_step:
                 sides = self._scene.box_sides
                 self._add(
                     Frame.of_engine(step, engine.time(), sides, engine.forces(), engine.cells())
@@ -79,6 +80,10 @@ class Recorder:
     def _every(self, engine: Any) -> int:
         """Steps between frames; 0 for none."""
         return steps_between(self._interval, engine)
+
+    def _counted(self, engine: Any) -> int:
+        """The step that it would be if all had been as long as this one: frames keep to times."""
+        return round(engine.time() / engine.timestep())
 
     def _begin(self, step: int) -> int:
         """Make a skin.h5 that goes on at a step; the step of its last frame, -1 without any.
