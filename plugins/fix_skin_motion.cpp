@@ -42,8 +42,8 @@ static constexpr double LONGEST_INVERTED = 2.0;
 /* ---------------------------------------------------------------------- */
 
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), rounding(0.0),
-    round_every(1), cells(nullptr), bend(nullptr), built_call(-1), built_step(-1), steps(0),
+    Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), shortest_link(0.0),
+    longest_link(INFINITY), rounding(0.0), round_every(1), cells(nullptr), bend(nullptr), built_call(-1), built_step(-1), steps(0),
     divided(0), parts(0), evaluations(0), limited(0), slowest(1.0), beyond(0), offender(-1),
     inverted_time(0.0)
 {
@@ -76,9 +76,9 @@ void FixSkinMotion::parse(int narg, char **arg)
 
   for (int n = 4; n < narg;) {
     const std::string key = arg[n];
-    if (key != "stages" && key != "stiffness" && key != "move" && key != "round")
+    if (key != "stages" && key != "stiffness" && key != "move" && key != "link" && key != "round")
       error->all(FLERR, "Unknown fix skin/motion keyword: {}", key);
-    const int nvalues = (key == "round") ? 2 : 1;
+    const int nvalues = (key == "round" || key == "link") ? 2 : 1;
     if (n + nvalues >= narg)
       error->all(FLERR, "Fix skin/motion keyword {} needs {} value(s)", key, nvalues);
     char **values = &arg[n + 1];
@@ -90,6 +90,12 @@ void FixSkinMotion::parse(int narg, char **arg)
       if (nstages < least || nstages > most)
         error->all(FLERR, "Fix skin/motion {} stages = {}: must be {} to {}", name, values[0],
                    least, most);
+    } else if (key == "link") {
+      shortest_link = positive(key, values[0]);
+      longest_link = positive(key, values[1]);
+      if (longest_link <= shortest_link)
+        error->all(FLERR, "Fix skin/motion link {} {}: the second must be larger than the first",
+                   values[0], values[1]);
     } else if (key == "round") {
       rounding = positive(key, values[0]);
       if (rounding < FINEST)
@@ -109,7 +115,7 @@ void FixSkinMotion::parse(int narg, char **arg)
 
 int FixSkinMotion::setmask()
 {
-  return INITIAL_INTEGRATE | FINAL_INTEGRATE;
+  return INITIAL_INTEGRATE | PRE_FORCE | FINAL_INTEGRATE;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -15,7 +15,9 @@ class FixSkinMotion : public Fix {
   FixSkinMotion(class LAMMPS *, int, char **);
   int setmask() override;
   void init() override;
+  void setup_pre_force(int) override;
   void initial_integrate(int) override;
+  void pre_force(int) override;
   void final_integrate() override;
   int pack_reverse_comm(int, int, double *) override;
   void unpack_reverse_comm(int, int *, double *) override;
@@ -26,6 +28,7 @@ class FixSkinMotion : public Fix {
   SkinStages method;
   double largest_move;           // of any particle in one part of a step, infinite without limit
   double stiffness_limit;        // of a membrane particle that moves at full speed, or infinite
+  double shortest_link, longest_link;    // of any bond, for bond styles that do not say whose it is
   double rounding;               // of positions, on every multiple of so many steps, or 0
   bigint round_every;
   class FixSkinCells *cells;     // told the times of stages, if there is one
@@ -71,6 +74,7 @@ class FixSkinMotion : public Fix {
   void count_beyond();
   void round_positions();
   void evaluate_forces(double);
+  void check_links() const;
   void check_box() const;
   void unstable(const Move &, double);
   std::string largest_term(int, int);

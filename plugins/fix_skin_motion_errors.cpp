@@ -12,6 +12,7 @@
 #include "error.h"
 #include "force.h"
 #include "modify.h"
+#include "neighbor.h"
 #include "pair.h"
 #include "update.h"
 
@@ -20,6 +21,42 @@
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinMotion::setup_pre_force(int /*vflag*/)
+{
+  check_links();
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinMotion::pre_force(int /*vflag*/)
+{
+  check_links();
+}
+
+/* ----------------------------------------------------------------------
+   a bond style that is given as a table may end where its table does
+------------------------------------------------------------------------- */
+
+void FixSkinMotion::check_links() const
+{
+  if (std::isinf(longest_link)) return;
+
+  for (int n = 0; n < neighbor->nbondlist; n++) {
+    const int i = neighbor->bondlist[n][0], j = neighbor->bondlist[n][1];
+    const double *const x = atom->x[i], *const y = atom->x[j];
+    const double r = std::sqrt((x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) +
+                               (x[2] - y[2]) * (x[2] - y[2]));
+    if (!(r > shortest_link && r < longest_link))
+      error->one(FLERR,
+                 "Fix skin/motion: the link of atoms {} and {} has length {} on step {}, it must be "
+                 "between {} and {}; try a smaller timestep than {}",
+                 atom->tag[i], atom->tag[j], r, update->ntimestep, shortest_link, longest_link,
+                 update->dt);
+  }
+}
 
 /* ----------------------------------------------------------------------
    a particle beyond a fixed end of the box would be dropped at the next exchange

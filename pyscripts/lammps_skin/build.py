@@ -149,6 +149,7 @@ def _variables(
     yield string("stretch_style", stretch.style)
     yield index("stretch_path", "${dir}/" if stretch.table else '""')
     yield string("stretch", stretch.coefficients)
+    yield string("link_limits", *_link_limits(stretch))
     yield index("bending_stiffness", scene.membrane.bending_stiffness)
     if scene.dermis.present:
         yield "\n# dermis"
@@ -156,6 +157,13 @@ def _variables(
         yield index("frozen_below", scene.dermis.frozen_below)
     if scene.has_cells:
         yield from _cell_variables(scene, string)
+
+
+def _link_limits(stretch: StyledTerm) -> list[str]:
+    """Keyword of the motion for the ends of a table of stretch; nothing without a table."""
+    if stretch.table is None:
+        return []
+    return ["link", *(repr(float(stretch.table.distances[end])) for end in (0, -1))]
 
 
 def _cell_variables(scene: Scene, string: Any) -> Iterator[str]:

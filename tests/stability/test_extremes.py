@@ -159,12 +159,15 @@ def test_dense_dermis(level: str) -> None:
     assert_sane_or_named(run(scene.replace(end_time=3.0)))
 
 
-def test_overstretched_link_is_named() -> None:
-    scene = small("reference", **{"cells.stem": 0, "numerics.largest_move": 0.0})
-    with Simulation(scene) as simulation:
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("form", ["analytic", "table"])
+def test_overstretched_link_is_named(form: str, ranks: int) -> None:
+    free = {"cells.stem": 0, "numerics.largest_move": 0.0, "numerics.pair_form": form}
+    with Simulation(small("reference", **free), ranks=ranks) as simulation:
         simulation.command("group one id 101")
         simulation.command("fix pull one addforce 0 0 300")
-        with pytest.raises(SimulationError, match=r"link of atoms \d+ and \d+ has length .*try"):
+        error = r"link of atoms \d+ and \d+ has length \S+ on step 1, .*try a smaller timestep"
+        with pytest.raises(SimulationError, match=error):
             simulation.run()
 
 
