@@ -22,7 +22,8 @@ using namespace LAMMPS_NS;
 /* ---------------------------------------------------------------------- */
 
 BondSkinStretch::BondSkinStretch(LAMMPS *lmp) :
-    Bond(lmp), coeffs(nullptr), links(lmp), built_call(-1), built_step(-1)
+    Bond(lmp), coeffs(nullptr), links(lmp), built_call(-1), built_step(-1), sparing(false),
+    broken(false)
 {
   writedata = 1;
 }
@@ -158,7 +159,8 @@ void BondSkinStretch::compute(int eflag, int vflag)
   double beyond = 0.0;
   for (int type = 1; type <= atom->nbondtypes; type++)
     beyond += pull_group(links.of_type[type], atom->x[0], coeffs[type], atom->f[0]);
-  if (beyond > 0.0)
+  if (beyond > 0.0 && sparing) broken = true;
+  if (beyond > 0.0 && !sparing)
     for (int n = 0; n < neighbor->nbondlist; n++) overstretched(n);
   if (evflag) tally();
 }
@@ -227,14 +229,44 @@ void BondSkinStretch::add_stiffness(double *stiffness)
 
 /* ---------------------------------------------------------------------- */
 
-void BondSkinStretch::overstretched(int n)
+void BondSkinStretch::spare_links(bool spare)
 {
+  sparing = spare;
+  broken = false;
+}
+
+/* ----------------------------------------------------------------------
+   at the current positions, also of ghosts
+------------------------------------------------------------------------- */
+
+bool BondSkinStretch::any_broken() const
+{
+  for (int n = 0; n < neighbor->nbondlist; n++)
+    if (is_broken(n)) return true;
+  return false;
+}
+
+/* ---------------------------------------------------------------------- */
+
+bool BondSkinStretch::is_broken(int n) const
+{
+  const int *const bond = neighbor->bondlist[n];
+  const double *const c = coeffs[bond[2]], *const xi = atom->x[bond[0]], *const xj = atom->x[bond[1]];
+  const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
+  const double rsq = dx * dx + dy * dy + dz * dz, singular = c[1] * (1.0 + c[3]);
+  return !(rsq > 0.0 && rsq < singular * singular);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void BondSkinStretch::overstretched(int n) const
+{
+  if (!is_broken(n)) return;
   const int i = neighbor->bondlist[n][0], j = neighbor->bondlist[n][1];
   const double *c = coeffs[neighbor->bondlist[n][2]], *xi = atom->x[i], *xj = atom->x[j];
   const double r = sqrt((xi[0] - xj[0]) * (xi[0] - xj[0]) + (xi[1] - xj[1]) * (xi[1] - xj[1]) +
                         (xi[2] - xj[2]) * (xi[2] - xj[2]));
   const double singular = c[1] * (1.0 + c[3]);
-  if (r > 0.0 && r < singular) return;
   error->one(FLERR,
              "Bond skin/stretch: the link of atoms {} and {} has length {} on step {}, its "
              "singular length is {}; try a smaller timestep than {}",

@@ -22,17 +22,26 @@ class BondSkinStretch : public Bond {
   double memory_usage() override;
   void add_stiffness(double *);
 
+  // for integrators that can take back a step: while links are spared, those that are as long as
+  // their singular length do not end the run, and it is remembered that there were some
+
+  void spare_links(bool);
+  bool had_broken() const { return broken; }
+  bool any_broken() const;
+
  private:
   static constexpr int NCOEFFS = 5;
 
   double **coeffs;               // K, contact length, a2, d2, scale of the spring-like part
   SkinLinks links;
   bigint built_call, built_step; // the neighbor build that they belong to
+  bool sparing, broken;
 
   void allocate();
   void tally();
   double energy_of(int, double) const;
-  void overstretched(int);
+  bool is_broken(int) const;
+  void overstretched(int) const;
 };
 
 }    // namespace LAMMPS_NS

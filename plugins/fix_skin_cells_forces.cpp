@@ -124,24 +124,22 @@ double FixSkinCells::reach() const
 }
 
 /* ----------------------------------------------------------------------
-   whether any cell of any rank is lost or has pierced the membrane at the current positions
+   whether any of my cells is lost or has pierced the membrane at the current positions, also of
+   ghosts
 ------------------------------------------------------------------------- */
 
 bool FixSkinCells::any_astray()
 {
-  comm->forward_comm();
-
-  int mine = 0, any;
-  for (int k = 0; k < (int) cells.size() && !mine; k++) {
+  for (int k = 0; k < (int) cells.size(); k++) {
     const SkinNearest::Neighbor closest =
         nearest.nearest_candidate(k, atom->x[cells[k]], atom->x[0], atom->tag);
     const int kind = kind_of(cells[k]);
     const bool known = closest.index >= 0 && closest.distsq <= reach() * reach();
-    mine = ((kind == STEM || kind == ND) && !known) ||
-        (closest.index >= 0 && closest.distsq < core * core);
+    if (((kind == STEM || kind == ND) && !known) ||
+        (closest.index >= 0 && closest.distsq < core * core))
+      return true;
   }
-  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
-  return any;
+  return false;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -43,7 +43,7 @@ static constexpr double LONGEST_INVERTED = 2.0;
 
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), shortest_link(0.0),
-    longest_link(INFINITY), rounding(0.0), round_every(1), cells(nullptr), bend(nullptr), built_call(-1), built_step(-1), steps(0),
+    longest_link(INFINITY), rounding(0.0), round_every(1), cells(nullptr), stretch(nullptr), bend(nullptr), built_call(-1), built_step(-1), steps(0),
     divided(0), parts(0), evaluations(0), limited(0), slowest(1.0), beyond(0), offender(-1),
     inverted_time(0.0)
 {
@@ -128,12 +128,12 @@ void FixSkinMotion::init()
   if (!force->newton_bond) error->all(FLERR, "Fix skin/motion needs newton on for bonds");
 
   const bool limits = std::isfinite(stiffness_limit);
-  if (limits && !dynamic_cast<BondSkinStretch *>(force->bond) &&
-      !dynamic_cast<DihedralSkinBend *>(force->dihedral))
+  stretch = dynamic_cast<BondSkinStretch *>(force->bond);
+  bend = dynamic_cast<DihedralSkinBend *>(force->dihedral);
+  if (limits && !stretch && !bend)
     error->all(FLERR, "Fix skin/motion stiffness = {}: needs bond style skin/stretch or dihedral "
                "style skin/bend, which know their stiffness", stiffness_limit);
 
-  bend = dynamic_cast<DihedralSkinBend *>(force->dihedral);
   find_pairs();
   cells = nullptr;
   for (Fix *fix : modify->get_fix_by_style("^skin/cells$"))
@@ -253,33 +253,32 @@ double FixSkinMotion::euler_part(double longest)
 }
 
 /* ----------------------------------------------------------------------
-   the stages of a part of a step; false, and all as before, if a particle moved too far, or if a
-   cell would end within the membrane or lose it and a shorter part may do better
+   the stages of a part of a step; false, and all as before, if a shorter part may do better: a
+   particle moved too far, a link broke, or a cell would end within the membrane or lose it
 ------------------------------------------------------------------------- */
 
 bool FixSkinMotion::advance(double part, double since)
 {
   const int nstages = (int) method.stages.size();
+  const bool may_divide = nstages > 1 && std::isfinite(largest_move);
+  const bool divisible = may_divide && 0.5 * part > SHORTEST * update->dt;
   mobility = start_mobility;
 
   for (int s = 0; s < nstages; s++) {
     const Move move = stage(method.stages[s], part);
-    const bool too_far = nstages > 1 && move.length > largest_move;
-    const bool divisible = nstages > 1 && 0.5 * part > SHORTEST * update->dt;
-    if (too_far || std::isinf(move.length)) {
+    if ((may_divide && move.length > largest_move) || std::isinf(move.length)) {
       restore_start(since - update->dt);
       if (!divisible) unstable(move, part);
       return false;
     }
     if (s + 1 < nstages) {
+      if (stretch) stretch->spare_links(divisible);
       evaluate_forces(since + method.stages[s].time * part - update->dt);
       if (method.order > 1) find_mobility();
-    } else if (nstages > 1 && cells && cells->any_astray()) {
-      if (divisible) {
-        restore_start(since - update->dt);
-        return false;
-      }
-      evaluate_forces(0.0);    // ends the run with the error of that cell
+    } else if (may_divide && ends_badly()) {
+      if (!divisible) evaluate_forces(0.0);    // ends the run with the error of that cell or link
+      restore_start(since - update->dt);
+      return false;
     }
   }
   return true;
@@ -287,7 +286,7 @@ bool FixSkinMotion::advance(double part, double since)
 
 /* ----------------------------------------------------------------------
    one stage: new positions; returns the longest way from the start of this part, infinite for
-   what is no number
+   what is no number and if forces were those of a broken link
 ------------------------------------------------------------------------- */
 
 FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
@@ -297,6 +296,8 @@ FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
   const double *const f = atom->nlocal ? atom->f[0] : nullptr;
   double longest = 0.0;
   offender = -1;
+  const bool broken = stretch && stretch->had_broken();
+  if (stretch) stretch->spare_links(false);
 
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(mask[i] & groupbit)) continue;
@@ -313,7 +314,7 @@ FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
     longest = std::isnan(distsq) ? INFINITY : distsq;
     offender = i;
   }
-  return furthest(std::sqrt(longest));
+  return furthest(broken ? INFINITY : std::sqrt(longest));
 }
 
 /* ----------------------------------------------------------------------

@@ -32,6 +32,7 @@ class FixSkinMotion : public Fix {
   double rounding;               // of positions, on every multiple of so many steps, or 0
   bigint round_every;
   class FixSkinCells *cells;     // told the times of stages, if there is one
+  class BondSkinStretch *stretch;    // asked for broken links, if it is the bond style
   class DihedralSkinBend *bend;  // asked for inverted triangles after a step, if there is one
   std::vector<class PairSkin *> pairs;    // asked for overlaps after a step
 
@@ -63,6 +64,7 @@ class FixSkinMotion : public Fix {
   void parse(int, char **);
   double euler_part(double);
   bool advance(double, double);
+  bool ends_badly();
   Move stage(const SkinStage &, double);
   Move furthest(double);
   void keep_start();

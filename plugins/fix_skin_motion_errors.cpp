@@ -2,6 +2,7 @@
 
 #include "fix_skin_motion.h"
 
+#include "bond_skin_stretch.h"
 #include "fix_skin_cells.h"
 
 #include "atom.h"
@@ -75,6 +76,18 @@ void FixSkinMotion::check_box() const
                  "from {} to {}", atom->tag[i], atom->type[i], update->ntimestep, z,
                  domain->boxlo[2], domain->boxhi[2]);
   }
+}
+
+/* ----------------------------------------------------------------------
+   whether the next evaluation of forces would end the run, on any rank
+------------------------------------------------------------------------- */
+
+bool FixSkinMotion::ends_badly()
+{
+  comm->forward_comm();
+  int mine = (cells && cells->any_astray()) || (stretch && stretch->any_broken()), any;
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+  return any;
 }
 
 /* ---------------------------------------------------------------------- */

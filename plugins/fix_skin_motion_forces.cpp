@@ -32,8 +32,7 @@ void FixSkinMotion::find_mobility()
   if (std::isinf(stiffness_limit)) return;
 
   stiffness.assign(nlocal + atom->nghost, 0.0);
-  if (auto *stretch = dynamic_cast<BondSkinStretch *>(force->bond))
-    stretch->add_stiffness(stiffness.data());
+  if (stretch) stretch->add_stiffness(stiffness.data());
   if (bend) bend->add_stiffness(stiffness.data());
   comm->reverse_comm(this);
 

@@ -110,6 +110,25 @@ def test_hopeless_steps_end_the_run() -> None:
 
 
 @pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("move", [1e3, 0.0])
+def test_a_link_that_breaks_divides_the_step(move: float, ranks: int) -> None:
+    """A particle that is pulled has a place of rest; without `move` its links break on the way."""
+    scene, configuration = sheet(
+        **{"numerics.accuracy": "balanced", "numerics.largest_move": move, "membrane.noise": 0.0}
+    )
+    with Simulation(scene, configuration=configuration, ranks=ranks) as simulation:
+        simulation.command(f"group one id {CORNER}")
+        simulation.command("fix pull one addforce 0 0 100")
+        if not move:
+            with pytest.raises(SimulationError, match=r"link of atoms .* on step 1, its singular"):
+                simulation.run(until=0.5)
+            return
+        simulation.run(until=0.5)
+        motion = simulation.motion()
+    assert motion.divided >= 1 and motion.evaluations > 10
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
 def test_particles_beyond_the_neighbor_lists(ranks: int) -> None:
     """All drift by 0.25 in a step; at stage 4 of 5 alone they are beyond half of the skin."""
     scene, configuration = sheet(

@@ -188,7 +188,7 @@ def test_cell_through_the_membrane_is_named(tmp_path: Path) -> None:
 def test_cell_that_would_pierce_divides_the_step(push: float) -> None:
     """Pressed on a membrane that is held, a cell stays above it, in as short steps as it needs."""
     slow = {"cells.cycle_delay": 36.0, "cells.cycle_rate": 0.083, "numerics.event_interval": 2.0}
-    long = {"numerics.timestep": 2.0, "numerics.stages": 13, "numerics.largest_move": 0.0}
+    long = {"numerics.timestep": 2.0, "numerics.stages": 13, "numerics.largest_move": 1e3}
     scene = small("fast", **slow, **long)
     cells = [(Kind.STEM, (4.0, 4.0, HEIGHT + CONTACT), 0)]
     with Simulation(scene, configuration=place(scene, cells)) as simulation:
