@@ -21,6 +21,7 @@ from lammps_skin.memory import check_ranks
 from lammps_skin.ranks import RankedEngine
 from lammps_skin.results import holds_results
 from lammps_skin.scene import Scene
+from lammps_skin.stiffness import longest_timestep
 from lammps_skin.terms import pair_terms
 from lammps_skin.trajectory.recorder import Recorder, set_aside_if_damaged
 
@@ -223,7 +224,7 @@ class Simulation:
         except SimulationError as error:
             self.sound = False
             raise SimulationError(
-                f"{error} (after t = {self._reached:g}, {remedy(str(error), timestep)}; "
+                f"{error} (after t = {self._reached:g}, {self._remedy(str(error), timestep)}; "
                 f"{self._last_checkpoint()})"
             ) from None
 
@@ -238,6 +239,11 @@ class Simulation:
             checkpoints.finish(engine)
             self.sound = True
             interruption.check()
+
+    def _remedy(self, error: str, timestep: float) -> str:
+        """What to change after an error: a timestep that may be stable, and at most half of it."""
+        shorter = min(timestep / 2, longest_timestep(self.scene))
+        return remedy(error, timestep, shorter)
 
     def _last_checkpoint(self) -> str:
         latest = self._checkpoints.latest()
@@ -278,16 +284,16 @@ class Simulation:
         return self._engine
 
 
-def remedy(error: str, timestep: float) -> str:
+def remedy(error: str, timestep: float, shorter: float) -> str:
     """What to change after an error of a run."""
     if "leaves the box" in error:
         return (
-            f"numerics.timestep = {timestep:g}; try {timestep / 2:g}, or, for a tissue that moves "
+            f"numerics.timestep = {timestep:g}; try {shorter:.3g}, or, for a tissue that moves "
             "as a whole, other membrane.height and box_height"
         )
     if any(os.strerror(full) in error for full in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)):
         return "make room for its files, and resume the run"
-    return f"numerics.timestep = {timestep:g}; try {timestep / 2:g}"
+    return f"numerics.timestep = {timestep:g}; try {shorter:.3g}"
 
 
 def check_run(directory: Path, ranks: int, threads: int) -> None:

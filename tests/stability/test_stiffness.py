@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from lammps_skin import lattice
 from lammps_skin.configuration import Configuration
+from lammps_skin.errors import SimulationError
 from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
 from lammps_skin.scenes import BUILT_IN
@@ -103,3 +104,12 @@ def test_command_warns(skin, changes: dict[str, Any], told: str) -> None:  # noq
             assert re.search(told, " ".join(answer.out.split()))
     answer = skin("run", "here", "--until", 0.5)
     assert re.search(told, " ".join(answer.out.split()))
+
+
+def test_an_unstable_run_tells_a_timestep_that_may_be_stable() -> None:
+    """Not just half of one that was 50 times too long."""
+    wild = {"numerics.timestep": 0.5, "numerics.largest_move": 0.0, "membrane.noise": 0.3}
+    scene = small(**wild, end_time=5.0, **{"output.thermo_interval": 5.0})
+    told = pytest.raises(SimulationError, match=r"timestep = 0\.5; try 0\.0111")
+    with Simulation(scene) as simulation, told:
+        simulation.run()
