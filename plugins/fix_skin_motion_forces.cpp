@@ -112,8 +112,9 @@ void FixSkinMotion::note_lists()
 void FixSkinMotion::count_beyond()
 {
   const double reachsq = 0.25 * neighbor->skin * neighbor->skin;
-  const double *const x = atom->nlocal ? atom->x[0] : nullptr, *const y = listed.data();
-  for (int n = 0; n < 3 * atom->nlocal; n += 3) {
+  if (listed.empty()) return;
+  const double *const x = atom->x[0], *const y = listed.data();
+  for (size_t n = 0; n < listed.size(); n += 3) {
     const double dx = x[n] - y[n], dy = x[n + 1] - y[n + 1], dz = x[n + 2] - y[n + 2];
     beyond += dx * dx + dy * dy + dz * dz > reachsq;
   }
