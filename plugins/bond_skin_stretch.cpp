@@ -251,7 +251,8 @@ bool BondSkinStretch::any_broken() const
 bool BondSkinStretch::is_broken(int n) const
 {
   const int *const bond = neighbor->bondlist[n];
-  const double *const c = coeffs[bond[2]], *const xi = atom->x[bond[0]], *const xj = atom->x[bond[1]];
+  const double *const c = coeffs[bond[2]];
+  const double *const xi = atom->x[bond[0]], *const xj = atom->x[bond[1]];
   const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
   const double rsq = dx * dx + dy * dy + dz * dz, singular = c[1] * (1.0 + c[3]);
   return !(rsq > 0.0 && rsq < singular * singular);

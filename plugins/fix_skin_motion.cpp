@@ -43,9 +43,9 @@ static constexpr double LONGEST_INVERTED = 2.0;
 
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), shortest_link(0.0),
-    longest_link(INFINITY), rounding(0.0), round_every(1), cells(nullptr), stretch(nullptr), bend(nullptr), built_call(-1), built_step(-1), steps(0),
-    divided(0), parts(0), evaluations(0), limited(0), slowest(1.0), beyond(0), offender(-1),
-    inverted_time(0.0)
+    longest_link(INFINITY), rounding(0.0), round_every(1), cells(nullptr), stretch(nullptr),
+    bend(nullptr), built_call(-1), built_step(-1), steps(0), divided(0), parts(0), evaluations(0),
+    limited(0), slowest(1.0), beyond(0), offender(-1), inverted_time(0.0)
 {
   parse(narg, arg);
 

@@ -52,8 +52,8 @@ void FixSkinMotion::check_links() const
                                (x[2] - y[2]) * (x[2] - y[2]));
     if (!(r > shortest_link && r < longest_link))
       error->one(FLERR,
-                 "Fix skin/motion: the link of atoms {} and {} has length {} on step {}, it must be "
-                 "between {} and {}; try a smaller timestep than {}",
+                 "Fix skin/motion: the link of atoms {} and {} has length {} on step {}, it must "
+                 "be between {} and {}; try a smaller timestep than {}",
                  atom->tag[i], atom->tag[j], r, update->ntimestep, shortest_link, longest_link,
                  update->dt);
   }
@@ -72,8 +72,8 @@ void FixSkinMotion::check_box() const
     const double z = atom->x[i][2];
     if ((z < domain->boxlo[2] && fixed[0]) || (z >= domain->boxhi[2] && fixed[1]))
       error->one(FLERR,
-                 "Fix skin/motion: atom {} of type {} leaves the box on step {}: z = {}, the box is "
-                 "from {} to {}", atom->tag[i], atom->type[i], update->ntimestep, z,
+                 "Fix skin/motion: atom {} of type {} leaves the box on step {}: z = {}, the box "
+                 "is from {} to {}", atom->tag[i], atom->type[i], update->ntimestep, z,
                  domain->boxlo[2], domain->boxhi[2]);
   }
 }
@@ -111,8 +111,8 @@ void FixSkinMotion::unstable(const Move &move, double part)
 }
 
 /* ----------------------------------------------------------------------
-   which forces are the largest on the particle i of a rank: those of pair, bond and dihedral styles,
-   of cells, or of another fix
+   which forces are the largest on the particle i of a rank: those of pair, bond and dihedral
+   styles, of cells, or of another fix
 ------------------------------------------------------------------------- */
 
 std::string FixSkinMotion::largest_term(int rank, int i)

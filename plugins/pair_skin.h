@@ -42,8 +42,8 @@ class PairSkin : public Pair {
   void check_overlap() const;
 
  protected:
-  // forces of all pairs of a kind, of which there are some, with its coefficients; returns the least
-  // of their squared distances
+  // forces of all pairs of a kind, of which there are some, with its coefficients; returns the
+  // least of their squared distances
 
   virtual double pull(const std::vector<SkinTwo> &, const double *coeffs) = 0;
 

@@ -22,3 +22,14 @@ def test_ruff():
 
 def test_mypy(tmp_path: Path):
     check("mypy", f"--cache-dir={tmp_path}", MYPYPATH="pyscripts")
+
+
+def test_columns_of_the_plugin():
+    """As LAMMPS has it, no line is longer than 100 columns."""
+    sources = (ROOT / "plugins").iterdir()
+    long = [
+        f"{path.name}:{n}"
+        for path in sources for n, line in enumerate(path.read_text().splitlines(), 1)
+        if len(line) > 100
+    ]  # fmt: skip
+    assert not long
