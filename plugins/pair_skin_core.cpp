@@ -4,6 +4,7 @@
 #include "pair_skin_core.h"
 
 #include "atom.h"
+#include "update.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +14,8 @@ using namespace LAMMPS_NS;
 /* ---------------------------------------------------------------------- */
 
 PairSkinCore::PairSkinCore(LAMMPS *lmp) :
-    PairSkin(lmp, "skin/core", 1.0, {{"core", FRACTION}, {"contact length", NOT_NEGATIVE}})
+    PairSkin(lmp, "skin/core", 1.0,
+             {{"core", FRACTION}, {"contact length", NOT_NEGATIVE}, {"first core", NOT_NEGATIVE}})
 {
 }
 
@@ -58,12 +60,12 @@ double PairSkinCore::energy(double /*r*/, const double * /*coeffs*/) const
 
 double PairSkinCore::range(const double *coeffs) const
 {
-  return coeffs[0] * coeffs[1];
+  return std::max(coeffs[0], coeffs[2]) * coeffs[1];
 }
 
 /* ---------------------------------------------------------------------- */
 
 double PairSkinCore::closest(const double *coeffs) const
 {
-  return range(coeffs);
+  return (update->setupflag ? coeffs[2] : coeffs[0]) * coeffs[1];
 }

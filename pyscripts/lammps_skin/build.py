@@ -29,8 +29,7 @@ from lammps_skin.terms import (
 
 INPUTS = Path(__file__).resolve().parent / "lammps_inputs"
 SCRIPTS = (
-    "skin.in", "state.in", "cores.in", "membrane.in", "dermis.in", "cells.in", "integration.in",
-    "output.in",
+    "skin.in", "state.in", "membrane.in", "dermis.in", "cells.in", "integration.in", "output.in",
 )  # fmt: skip
 SCENE_FILE = "scene.toml"
 CORE = 0.5  # of the contact length: no cell comes so close to the membrane
@@ -84,10 +83,7 @@ def _write(scene: Scene, directory: Path, configuration: Configuration) -> None:
 
 
 def _needed(script: str, scene: Scene) -> bool:
-    absent = {
-        "dermis.in": not scene.dermis.present, "cells.in": not scene.has_cells,
-        "cores.in": not cores(scene),
-    }  # fmt: skip
+    absent = {"dermis.in": not scene.dermis.present, "cells.in": not scene.has_cells}
     return not absent.get(script, False)
 
 

@@ -174,12 +174,19 @@ def cores(scene: Scene) -> dict[str, str]:
     form = scene.numerics.pair_form
     if form == "skin":
         return {}
-    found = {PAIRS[shape.name]: "none" for shape in pair_shapes(scene)}
-    for shape in pair_shapes(scene):  # exclusion comes before adhesion
+    shapes = pair_shapes(scene)
+    found = {PAIRS[shape.name]: "none" for shape in shapes}
+    for shape in shapes:  # exclusion comes before adhesion
+        pair = PAIRS[shape.name]
         if shape.name == "cell_membrane_exclusion" and form == "analytic":
             continue
-        if shape.stiffness and found[PAIRS[shape.name]] == "none":
-            found[PAIRS[shape.name]] = f"skin/core {shape.inner!r} {shape.contact!r}"
+        if shape.stiffness and found[pair] == "none":
+            tables = (
+                one.inner for one in shapes
+                if PAIRS[one.name] == pair and not (one.lennard_jones and form == "analytic")
+            )  # fmt: skip
+            first = max(tables, default=0.0)
+            found[pair] = f"skin/core {shape.inner!r} {shape.contact!r} {first!r}"
     return found if set(found.values()) != {"none"} else {}
 
 

@@ -9,11 +9,11 @@ from test_pair_styles import BOX
 
 from tests.reliability.conftest import try_script
 
-CORE, CONTACT = 0.25, 1.2
+CORE, CONTACT, FIRST = 0.25, 1.2, 0.1
 PAIR = f"""
     pair_style hybrid/overlay skin/core lj/cut 2.0
     pair_coeff * * lj/cut 0.1 1.0
-    pair_coeff 1 2 skin/core {CORE} {CONTACT}
+    pair_coeff 1 2 skin/core {CORE} {CONTACT} {FIRST}
 """
 
 
@@ -29,14 +29,27 @@ def test_closer_than_the_core(apart: float, ends: bool, ranks: int, tmp_path: Pa
         special_bonds lj/coul 0.0 1.0 1.0
         {PAIR}
         run 0
+        print "set up"
+        fix still all nve/noforce
+        run 1
     """
     output = try_script(tmp_path, script, ranks=ranks).stdout
     error = (
         r"Pair skin/core: atoms (1 and 2 of types 1 and 2|2 and 1 of types 2 and 1) overlap on "
-        r"step 0: their distance is 0\.299\d*, less than 0\.3; try a smaller timestep than 0\.005"
+        r"step 1: their distance is 0\.299\d*, less than 0\.3; try a smaller timestep than 0\.005"
     )
+    assert "set up" in output
     assert bool(re.search(error, output)) == ends, output
     assert ("ERROR" in output) == ends
+
+
+def test_the_first_state_may_overlap_more() -> None:
+    """Down to its own core."""
+    engine = open_lammps(["-log", "none"])
+    engine.commands_string(f"{BOX}{PAIR}\nset atom 2 x 3.121\nrun 0 post no")
+    with pytest.raises(Exception, match=r"overlap on step 0: .* is 0\.119\d*, less than 0\.12"):
+        engine.commands_string("set atom 2 x 3.119\nrun 0 post no")
+    engine.close()
 
 
 def test_no_force_and_no_energy() -> None:
@@ -53,21 +66,24 @@ def test_no_force_and_no_energy() -> None:
 def test_alone_and_with_itself() -> None:
     """As the only pair style; energies of pairs within the core are 0, too."""
     engine = open_lammps(["-log", "none"])
-    engine.commands_string(f"{BOX}\npair_style skin/core\npair_coeff * * 0.9 1.0")
+    engine.commands_string(f"{BOX}\npair_style skin/core\npair_coeff * * 0.9 1.0 0.0")
     engine.command("run 0 post no")
     assert engine.get_thermo("pe") == 0
-    with pytest.raises(Exception, match="overlap on step 0"):
-        engine.commands_string("create_atoms 2 single 4.1 4.8 4\nrun 0 post no")
+    engine.commands_string("create_atoms 2 single 4.1 4.8 4\nfix still all nve/noforce")
+    engine.command("run 0 post no")
+    with pytest.raises(Exception, match="overlap on step 1"):
+        engine.command("run 1 post no")
     engine.close()
 
 
 @pytest.mark.parametrize(
     ("coefficients", "message"),
     [
-        ("0.3", "skin/core needs 2 coefficients .* got 1"),
-        ("1.0 1.0", "core = 1.0 must be a number > 0 and < 1"),
-        ("0 1.0", "core = 0 must be a number > 0 and < 1"),
-        ("0.3 0", "contact length = 0 must be a number > 0"),
+        ("0.3 1.0", "skin/core needs 3 coefficients .* got 2"),
+        ("1.0 1.0 0", "core = 1.0 must be a number > 0 and < 1"),
+        ("0 1.0 0", "core = 0 must be a number > 0 and < 1"),
+        ("0.3 0 0", "contact length = 0 must be a number > 0"),
+        ("0.3 1.0 -1", "first core = -1 must be a number >= 0"),
     ],
 )
 def test_refused(coefficients: str, message: str, tmp_path: Path) -> None:
@@ -79,10 +95,10 @@ def test_refused(coefficients: str, message: str, tmp_path: Path) -> None:
 
 def test_coefficients_survive_a_restart_file(tmp_path: Path) -> None:
     engine = open_lammps(["-log", "none"])
-    engine.commands_string(f"{BOX}\npair_style skin/core\npair_coeff * * {CORE} {CONTACT}")
+    engine.commands_string(f"{BOX}\npair_style skin/core\npair_coeff * * {CORE} {CONTACT} {FIRST}")
     engine.commands_string(f"run 0\nwrite_restart {tmp_path}/state\nclear")
     engine.command(f"read_restart {tmp_path}/state")
-    engine.command("set atom 2 x 3.2")
+    engine.commands_string("set atom 2 x 3.2\nfix still all nve/noforce")
     with pytest.raises(Exception, match=r"overlap .* is 0\.2\d*, less than 0\.3"):
-        engine.command("run 0 post no")
+        engine.command("run 1 post no")
     engine.close()
