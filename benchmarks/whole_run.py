@@ -10,8 +10,8 @@ ages.
 - euler: the level "reference" with the styles of this package;
 - balanced, fast: those levels.
 
-    skin run paper-ring -o runs/paper-ring
-    python benchmarks/whole_run.py runs/paper-ring [--ages 0 100 ...] [--rounds 3]
+    skin run paper-ring --set numerics.accuracy=reference -o runs/reference
+    python benchmarks/whole_run.py runs/reference [--ages 0 100 ...] [--rounds 3]
 """
 
 from __future__ import annotations
