@@ -29,9 +29,14 @@ def stiffest(scene: Scene) -> Stiffest:
 
     Two particles that are bound by a spring k alone have the eigenvalue 2 k, a triangular network
     of them 6 k. Folds of a membrane under cells are stiffer by far. Crowds, where several springs
-    pull at one particle, may be stiffer than this.
+    pull at one particle, may be stiffer than this. Sizes of which there are no squares have nothing
+    that is stiff.
     """
-    return max(_motions(scene), key=lambda one: one.eigenvalue)
+    try:
+        with np.errstate(all="ignore"):
+            return max(_motions(scene), key=lambda one: one.eigenvalue)
+    except ArithmeticError:
+        return Stiffest("nothing", 0.0)
 
 
 def _motions(scene: Scene) -> Iterator[Stiffest]:
@@ -76,7 +81,7 @@ def longest_timestep(scene: Scene) -> float:
 def warning(scene: Scene) -> str:
     """What there is to say of the scene's timestep; nothing if it may be stable."""
     longest, timestep = longest_timestep(scene), scene.numerics.timestep
-    if timestep <= longest:
+    if not timestep > longest:
         return ""
     numerics = scene.numerics
     method = str(numerics.integrator)

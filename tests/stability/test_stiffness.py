@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from lammps_skin import lattice
 from lammps_skin.configuration import Configuration
-from lammps_skin.errors import SimulationError
+from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
 from lammps_skin.scenes import BUILT_IN
@@ -74,6 +74,20 @@ def test_no_scene_comes_with_a_warning(name: str, level: str) -> None:
     scene = Scene.load(name).replace(**{"numerics.accuracy": level})
     assert scene.numerics.timestep <= longest_timestep(scene)
     assert warning(scene) == ""
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-170, 1e-30, 1e30, 1e170, 1e300])
+@pytest.mark.parametrize(
+    "key", ["membrane.radius", "cells.radius", "membrane.spacing_ratio", "cells.division_stiffness",
+            "membrane.stretch_stiffness", "membrane.elasticity", "cells.binding_stiffness"]
+)  # fmt: skip
+def test_sizes_beyond_all_measure(key: str, size: float) -> None:
+    """Whatever a scene may say is told or left alone."""
+    try:
+        scene = small(**{key: size, "cells.division_spring": "reduced"})
+    except SceneError:
+        return
+    assert "nan" not in warning(scene)
 
 
 @pytest.mark.parametrize(
