@@ -20,7 +20,10 @@ PAIR = f"""
 @pytest.mark.parametrize(("apart", "ends"), [(0.301, False), (0.299, True), (7.701, True)])
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_closer_than_the_core(apart: float, ends: bool, ranks: int, tmp_path: Path) -> None:
-    """Also across the periodic edge, where 8 - 7.701 is less than 0.3, and with more ranks."""
+    """Also across the periodic edge, where 8 - 7.701 is less than 0.3, and with more ranks.
+
+    What another rank than the first has said can be lost when MPI ends it.
+    """
     begin = BOX.split("create_atoms")[0]
     script = f"""{begin}
         create_atoms 1 single 0.1 4 4
@@ -33,14 +36,16 @@ def test_closer_than_the_core(apart: float, ends: bool, ranks: int, tmp_path: Pa
         fix still all nve/noforce
         run 1
     """
-    output = try_script(tmp_path, script, ranks=ranks).stdout
+    process = try_script(tmp_path, script, ranks=ranks)
+    output = process.stdout
     error = (
         r"Pair skin/core: atoms (1 and 2 of types 1 and 2|2 and 1 of types 2 and 1) overlap on "
         r"step 1: their distance is 0\.299\d*, less than 0\.3; try a smaller timestep than 0\.005"
     )
     assert "set up" in output
-    assert bool(re.search(error, output)) == ends, output
-    assert ("ERROR" in output) == ends
+    assert (process.returncode != 0) == ends
+    if ranks == 1 or "ERROR" in output:
+        assert bool(re.search(error, output)) == ends, output
 
 
 def test_the_first_state_may_overlap_more() -> None:
