@@ -5,6 +5,7 @@ The configuration is that of a scene (by default `paper-ring`) at a time at whic
 
 - ours: the scene at the level of accuracy `reference`;
 - without the fix: the same without ``fix skin/cells``, to know what that costs;
+- without cores: ours without ``pair_style skin/core``;
 - stock: ``bond_style table``, ``dihedral_style multi/harmonic``, one ``pair_style table
   linear`` for all pairs, ``neighbor multi``, ``fix brownian``, and no ``fix skin/cells``.
 
@@ -28,7 +29,13 @@ from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
 from lammps_skin.tables import Table, pair_grid
-from lammps_skin.terms import cell_kinds, pair_shapes, stretch_table, wall_coefficients
+from lammps_skin.terms import (
+    cell_kinds,
+    pair_shapes,
+    pair_terms,
+    stretch_table,
+    wall_coefficients,
+)
 
 STEPS, ROUNDS, POINTS = 200, 7, 10_000
 
@@ -98,6 +105,11 @@ def stock(scene: Scene, configuration: Configuration, folder: Path) -> Any:
             f"{table.outer:.17g}"
         )
     return engine
+
+
+def uncored(scene: Scene) -> dict[str, object]:
+    """Variables with which nobody watches how close particles come."""
+    return {"has_cores": 0, "pair_styles": " ".join(term.style for term in pair_terms(scene))}
 
 
 def half(scene: Scene) -> float:
@@ -176,16 +188,20 @@ def main() -> None:
         tempfile.TemporaryDirectory() as folder,
         Simulation(scene, configuration=configuration) as ours,
         Simulation(scene, configuration=configuration) as without,
+        Simulation(scene, configuration=configuration, variables=uncored(scene)) as bare,
     ):
         without.command("unfix cells")
         for column in ("thermo_style one", "thermo 1000"):
-            without.command(column)
-            ours.command(column)
+            for simulation in (ours, without, bare):
+                simulation.command(column)
         baseline = stock(scene, configuration, Path(folder))
-        engines = {"ours": ours, "without the fix": without, "stock": baseline}
+        engines = {
+            "ours": ours, "without the fix": without, "without cores": bare, "stock": baseline,
+        }  # fmt: skip
         logs = {
             "ours": ours.directory / "log.lammps",
             "without the fix": without.directory / "log.lammps",
+            "without cores": bare.directory / "log.lammps",
             "stock": Path(folder) / "log.stock",
         }
         for engine in engines.values():
@@ -202,7 +218,7 @@ def report(costs: dict[str, Any]) -> None:
     """Print medians, and medians of the ratios of each round."""
     for name, (step, _) in costs.items():
         print(f"{name:16} {np.median(step):8.3f} ms per step")
-    (ours, fixes), (without, other_fixes), (stock, _) = costs.values()
+    (ours, fixes), (without, other_fixes), (bare, _), (stock, _) = costs.values()
     print(f"ours without the fix / stock: {np.median(without / stock):.3f} (target 0.6)")
     print(f"ours / stock:                 {np.median(ours / stock):.3f}")
     print(
@@ -210,6 +226,7 @@ def report(costs: dict[str, Any]) -> None:
     )
     forced = np.median(1 - without / ours - (fixes - other_fixes) / ours)
     print(f"neighbor builds it asks for:  {forced:.3f} of a step, at births and removals")
+    print(f"ours / without cores:         {np.median(ours / bare):.3f}")
 
 
 if __name__ == "__main__":

@@ -27,10 +27,10 @@ from lammps_skin.configuration import Configuration
 from lammps_skin.kinds import CELLS
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
-from lammps_skin.terms import pair_terms
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.frame import Frame
 from lammps_skin.trajectory.store import Store, trajectory_of
+from step_cost import uncored
 
 AGES = (0, 100, 200, 300, 400, 500, 600, 800, 1000)
 SPANS = {"reference": 1.0, "euler": 1.0, "balanced": 4.0, "fast": 4.0}  # time units of a turn
@@ -73,9 +73,7 @@ def simulations(scene: Scene, state: Configuration, stack: ExitStack) -> dict[st
     started = {}
     for name, changes in levels.items():
         level = scene.replace(**QUIET, **changes)
-        # stock styles alone: nobody watches how close particles come
-        styles = " ".join(term.style for term in pair_terms(level))
-        plain = {"has_cores": 0, "pair_styles": styles} if name == "reference" else {}
+        plain = uncored(level) if name == "reference" else {}  # stock styles alone
         started[name] = stack.enter_context(Simulation(level, configuration=state, variables=plain))
     half = scene.membrane.bending_stiffness / 2
     # (1 - cos)^2 with the angle of multi/harmonic, which is pi in a flat sheet

@@ -171,7 +171,7 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
     keep_start();
     find_mobility();
     count_limited();
-    start_mobility = mobility;
+    if (method.order > 1) start_mobility = mobility;
     part = method.stages.size() > 1 ? std::min(part, remaining) : euler_part(remaining);
     while (!advance(part, dt - remaining)) part *= 0.5;
 
@@ -262,7 +262,7 @@ bool FixSkinMotion::advance(double part, double since)
   const int nstages = (int) method.stages.size();
   const bool may_divide = nstages > 1 && std::isfinite(largest_move);
   const bool divisible = may_divide && 0.5 * part > SHORTEST * update->dt;
-  mobility = start_mobility;
+  if (method.order > 1) mobility = start_mobility;
 
   for (int s = 0; s < nstages; s++) {
     const Move move = stage(method.stages[s], part);
@@ -296,12 +296,13 @@ FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
   const double *const f = atom->nlocal ? atom->f[0] : nullptr;
   double longest = 0.0;
   offender = -1;
+  const double *const first = (method.order > 1 ? start_mobility : mobility).data();
   const bool broken = stretch && stretch->had_broken();
   if (stretch) stretch->spare_links(false);
 
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(mask[i] & groupbit)) continue;
-    const double time = part * mobility[i], start_time = part * start_mobility[i];
+    const double time = part * mobility[i], start_time = part * first[i];
     double distsq = 0.0;
     for (int n = 3 * i; n < 3 * i + 3; n++) {
       const double old = x[n];

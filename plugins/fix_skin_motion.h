@@ -40,7 +40,7 @@ class FixSkinMotion : public Fix {
 
   std::vector<double> start, start_force, before;    // positions, forces; those two stages ago
   std::vector<double> stiffness;                     // of owned and ghost particles
-  std::vector<double> mobility, start_mobility;
+  std::vector<double> mobility, start_mobility;      // of owned ones; the latter with order 2 alone
 
   // positions at the neighbor build that the lists belong to
 

@@ -16,7 +16,7 @@ struct SkinStage {
 struct SkinStages {
   std::vector<SkinStage> stages;
   double reach = 0.0;    // dt times the largest eigenvalue must stay below this
-  int order = 1;
+  int order = 1;         // above 1, mobilities have to be those of each stage
 
   static SkinStages first_order(int);
   static SkinStages second_order(int);
