@@ -291,18 +291,18 @@ bool FixSkinMotion::advance(double part, double since)
 
 FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
 {
-  const int *const mask = atom->mask;
-  double *const x = atom->nlocal ? atom->x[0] : nullptr;
-  const double *const f = atom->nlocal ? atom->f[0] : nullptr;
+  const int nlocal = atom->nlocal, *const mask = atom->mask;
+  double *const x = nlocal ? atom->x[0] : nullptr;
+  const double *const f = nlocal ? atom->f[0] : nullptr;
   double longest = 0.0;
   offender = -1;
-  const double *const first = (method.order > 1 ? start_mobility : mobility).data();
+  const double *const at_start = (method.order > 1 ? start_mobility : mobility).data();
   const bool broken = stretch && stretch->had_broken();
   if (stretch) stretch->spare_links(false);
 
-  for (int i = 0; i < atom->nlocal; i++) {
+  for (int i = 0; i < nlocal; i++) {
     if (!(mask[i] & groupbit)) continue;
-    const double time = part * mobility[i], start_time = part * first[i];
+    const double time = part * mobility[i], start_time = part * at_start[i];
     double distsq = 0.0;
     for (int n = 3 * i; n < 3 * i + 3; n++) {
       const double old = x[n];
