@@ -13,7 +13,7 @@ SOURCES := pyproject.toml CMakeLists.txt $(wildcard lammps_inputs/*.in) \
 
 help:
 	@echo "make demo      run the scene 'demo': division, crowding and removal of cells"
-	@echo "make test      check everything but the long science runs"
+	@echo "make test      ruff, mypy and all tests but the long science runs"
 	@echo "make science   the long science runs"
 	@echo "make lint      ruff and mypy"
 	@echo "make tidy      clang-tidy and all warnings of the compiler on the plugin"
@@ -24,7 +24,7 @@ help:
 demo: $(INSTALLED)
 	$(BIN)/skin run demo -o runs/demo --force
 
-test: $(INSTALLED)
+test: lint
 	$(BIN)/python -m pytest -n auto --maxprocesses 4
 
 science: $(INSTALLED)

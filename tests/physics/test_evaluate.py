@@ -22,13 +22,14 @@ from model_states import (
 )
 from numpy_model import Floats, State, named, nearest_membrane, read_configuration
 
-REFERENCE = Path(__file__).resolve().parents[2].parent / "shared" / "reference"
+REFERENCE = Path(__file__).resolve().parent / "reference"
 SMALL = REFERENCE / "small.txt"
 REFERENCE_SETS: dict[str, tuple[str, dict[str, Any]]] = {
     "V1paperdiv": ("printed", {}),
     "V1_lam1.4_Kad25": ("printed", {"cells.division_spring": "length"}),
     "V1_lam1.2_Kad25": ("papilla", {}),
     "V2_lam1.4_Kad5": ("direct5", {}),
+    "V2_lam1.2_Kad5": ("direct5", {"cells.adhesion_range": 1.2}),
 }
 NO_TABLES = {
     "dermis.stiffness": 0.0,

@@ -20,13 +20,14 @@ from numpy_model import (
 )
 from plain_potentials import table_dermis_dermis
 
-REFERENCE = Path(__file__).resolve().parents[2].parent / "shared" / "reference"
+REFERENCE = Path(__file__).resolve().parent / "reference"
 
 REFERENCE_SETS = {
     "V1paperdiv": named("printed"),
     "V1_lam1.4_Kad25": replace(named("printed"), division_spring="length"),
     "V1_lam1.2_Kad25": named("papilla"),
     "V2_lam1.4_Kad5": named("direct5"),
+    "V2_lam1.2_Kad5": replace(named("direct5"), lam=1.2),
 }
 REFERENCE_TERMS = {
     "dm": "dermis_membrane",
