@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_skin.configuration import Configuration
-from lammps_skin.errors import SceneError
+from lammps_skin.errors import SceneError, one_line
 from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
 from lammps_skin.terms import (
@@ -89,7 +89,7 @@ def _needed(script: str, scene: Scene) -> bool:
 
 def _comment(text: str) -> str:
     """Text in which LAMMPS sees no new line, no continuation and no quote."""
-    return " ".join("".join(c if c.isprintable() and c not in '"&' else " " for c in text).split())
+    return one_line(text.translate({ord(c): " " for c in '"&'}))
 
 
 def _variables(

@@ -34,3 +34,16 @@ class SimulationError(SkinError):
 
 class FigureError(SkinError):
     """A figure or snapshot that cannot be drawn from what is there."""
+
+
+def printable(text: str) -> str:
+    """The text without control characters and the like, but for ends of lines.
+
+    What stands in a file of a stranger must not give orders to the terminal.
+    """
+    return "".join(c for c in text if c.isprintable() or c == "\n")
+
+
+def one_line(text: str) -> str:
+    """The text in one line of what can be printed."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

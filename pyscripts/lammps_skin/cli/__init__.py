@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from io import TextIOWrapper
+from typing import Annotated
 
 import typer
 from typer.exceptions import TyperException
@@ -22,7 +24,7 @@ from lammps_skin.cli.snapshot import snapshot
 from lammps_skin.cli.stability import stability
 from lammps_skin.cli.stats import stats
 from lammps_skin.cli.tradeoff import tradeoff
-from lammps_skin.errors import SkinError
+from lammps_skin.errors import SkinError, one_line
 
 app = typer.Typer(
     help="Epidermal stem cells on a deformable basement membrane and dermis, on LAMMPS.",
@@ -37,8 +39,20 @@ for command in (
     app.command()(command)
 
 
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"lammps-skin {version('lammps-skin')}, LAMMPS {version('lammps')}")
+        raise typer.Exit
+
+
 @app.callback(invoke_without_command=True)
-def help_alone(context: typer.Context) -> None:
+def help_alone(
+    context: typer.Context,
+    _: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Show versions."),
+    ] = False,
+) -> None:
     """Epidermal stem cells on a deformable basement membrane and dermis, on LAMMPS."""
     if context.invoked_subcommand is None:
         print(context.get_help())
@@ -53,15 +67,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         code = app(arguments, standalone_mode=False, prog_name="skin")
     except (SkinError, TyperException) as error:
         text = error.format_message() if isinstance(error, TyperException) else str(error)
-        print(f"error: {_one_line(text)}", file=sys.stderr)
+        print(f"error: {one_line(text)}", file=sys.stderr)
         code = 2
     except OSError as error:
         place = "" if error.filename is None else f"{error.filename}: "
-        print(f"error: {_one_line(f'{place}{error.strerror or error}')}", file=sys.stderr)
+        print(f"error: {one_line(f'{place}{error.strerror or error}')}", file=sys.stderr)
         code = 2
     sys.exit(code or 0)
-
-
-def _one_line(text: str) -> str:
-    """The text without line breaks and other control characters."""
-    return " ".join("".join(c if c.isprintable() else " " for c in text).split())

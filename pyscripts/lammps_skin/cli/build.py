@@ -9,13 +9,15 @@ import typer
 
 from lammps_skin.build import build as build_scene
 from lammps_skin.cli.options import (
+    Accuracy,
     Parameters,
+    Seed,
     Settings,
     Source,
-    console,
     keep_results,
     scene_from,
 )
+from lammps_skin.cli.output import console
 from lammps_skin.configuration import Configuration
 from lammps_skin.kinds import Kind
 
@@ -26,10 +28,12 @@ def build(
         Path, typer.Option("-o", "--output", metavar="DIR", help="Where to write it.")
     ],
     parameters: Parameters = None,
+    accuracy: Accuracy = None,
+    seed: Seed = None,
     settings: Settings = None,
 ) -> None:
     """Write a scene as LAMMPS input: scripts, tables, data file."""
-    described = scene_from(scene, parameters, settings)
+    described = scene_from(scene, parameters, settings, accuracy, seed)
     keep_results(output, "its inputs belong to them; give another")
     with console.status("building"):
         configuration = build_scene(described, output)

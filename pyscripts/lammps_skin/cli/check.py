@@ -7,12 +7,20 @@ from collections.abc import Iterator
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from lammps_skin import cost, memory
 from lammps_skin.arrangements import place_cells
-from lammps_skin.cli.options import Parameters, Settings, Source, console, duration, scene_from
+from lammps_skin.cli.options import (
+    Accuracy,
+    Parameters,
+    Seed,
+    Settings,
+    Source,
+    scene_from,
+)
+from lammps_skin.cli.output import console, duration, print_table
 from lammps_skin.configuration import check_sizes
+from lammps_skin.errors import one_line
 from lammps_skin.kinds import Kind
 from lammps_skin.savings import Saving, candidates, measured
 from lammps_skin.scene import Scene
@@ -23,6 +31,8 @@ from lammps_skin.terms import TERMS
 def check(
     scene: Source,
     parameters: Parameters = None,
+    accuracy: Accuracy = None,
+    seed: Seed = None,
     settings: Settings = None,
     measure: Annotated[
         bool, typer.Option("--measure", help="Time a short run of the scene on this machine.")
@@ -32,30 +42,23 @@ def check(
     ] = False,
 ) -> None:
     """Show what a scene has and what it will cost, without running it."""
-    described = scene_from(scene, parameters, settings)
+    described = scene_from(scene, parameters, settings, accuracy, seed)
     check_sizes(described, described.box_sides)
     place_cells(described)
-    console.print(f"{described.name}: {described.description}".rstrip(": "))
-    _print("part", _parts(described))
-    _print("term", _terms(described))
-    _print("size", _sizes(described))
-    _print("numerics", _numerics(described))
+    console.print(one_line(f"{described.name}: {described.description}").rstrip(": "))
+    for title, rows in {
+        "part": _parts, "term": _terms, "size": _sizes, "numerics": _numerics,
+    }.items():  # fmt: skip
+        print_table([title, "", ""], rows(described), whole=[0], fold=True)
     if remark := warning(described):
         console.print(remark)
     with console.status("measuring"):
         seconds = cost.measure(described) if measure else None
-    _print("cost on one core", _costs(described, seconds))
+    print_table(["cost on one core", ""], _costs(described, seconds), whole=[0], fold=True)
     with console.status("measuring"):
         found = measured(described) if savings else list(candidates(described))
-    _print("could be left out", _savings(found), "by", "risk", "time of a step")
-
-
-def _print(title: str, rows: Iterator[tuple[str, ...]], *heads: str) -> None:
-    table = Table(title, *(heads or [""] * 2), box=None, pad_edge=False)
-    for row in rows:
-        table.add_row(*row)
-    console.print()
-    console.print(table)
+    heads = ["could be left out", "by", "risk", "step time"]
+    print_table(heads, _savings(found), whole=[1, 3], fold=True)
 
 
 def _parts(scene: Scene) -> Iterator[tuple[str, ...]]:
@@ -146,5 +149,5 @@ def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
 def _savings(found: list[Saving]) -> Iterator[tuple[str, ...]]:
     for saving in found:
         keys = ", ".join(f"{key} = {str(value).lower()}" for key, value in saving.changes.items())
-        measure = "see --savings" if math.isnan(saving.time) else f"x {saving.time:.2f}"
+        measure = "--savings" if math.isnan(saving.time) else f"x {saving.time:.2f}"
         yield saving.name, keys, saving.risk, measure

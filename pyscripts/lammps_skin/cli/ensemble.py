@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from lammps_skin.cli.options import Parameters, Settings, console, scene_from
+from lammps_skin.cli.options import Accuracy, Parameters, Settings, scene_from
+from lammps_skin.cli.output import console, duration
+from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError, SkinError
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ def ensemble(
     ] = None,
     keep: Annotated[bool, typer.Option("--keep", help="Keep the run directories.")] = False,
     parameters: Parameters = None,
+    accuracy: Accuracy = None,
     settings: Settings = None,
 ) -> None:
     """Run scenes with many seeds, and store the observables of each run."""
@@ -43,7 +44,7 @@ def ensemble(
 
     if not scenes and not runs:
         raise SceneError("scene: give at least one, or runs to take in with --from")
-    described = [scene_from(scene, parameters, settings) for scene in scenes or ()]
+    described = [scene_from(scene, parameters, settings, accuracy) for scene in scenes or ()]
     members = ensembles.members(described, seeds_of(seeds), output)
     failures: dict[str, str] = {}
     for directory in runs or ():
@@ -77,24 +78,14 @@ def run_members(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
     from lammps_skin.ensemble import run_all
 
     seconds = sum(member.seconds for member in todo) / min(jobs, len(todo))
-    expected = timedelta(seconds=max(round(seconds), 1))
-    console.print(f"{len(todo)} to do, {jobs} at a time: about {expected} on idle cores")
-    bar = Progress(
-        TextColumn("{task.fields[news]}", markup=False),
-        BarColumn(bar_width=20),
-        TextColumn("{task.percentage:.0f} %", markup=False),
-        TimeRemainingColumn(),
-        console=console,
-    )
+    console.print(f"{len(todo)} to do, {jobs} at a time: about {duration(seconds)} on idle cores")
     reached: dict[Member, float] = {}
-    with bar:
-        task = bar.add_task("", total=sum(member.scene.end_time for member in todo), news="")
+    with Progress(sum(member.scene.end_time for member in todo)) as progress:
 
         def show(member: Member, time: float) -> None:
             reached[member] = time
             ended = sum(time >= member.scene.end_time for member, time in reached.items())
-            news = f"{ended} of {len(todo)} runs"
-            bar.update(task, completed=sum(reached.values()), news=news)
+            progress.show(sum(reached.values()), f"{ended} of {len(todo)} runs")
 
         failed = run_all(todo, jobs, keep, show)
     return {member.label: text for member, text in failed.items()}

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from lammps_skin.cli.options import console
+from lammps_skin.cli.output import console
 
 
 class Form(StrEnum):

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from lammps_skin.cli.ensemble import run_members, seeds_of
-from lammps_skin.cli.options import Parameters, Settings, console, duration, scene_from
+from lammps_skin.cli.options import Accuracy, Parameters, Settings, scene_from
+from lammps_skin.cli.output import console, duration, print_table
 from lammps_skin.errors import FigureError
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ def figure(
     jobs: Annotated[int, typer.Option(min=1, max=4096, help="Runs at a time.")] = 1,
     yes: Annotated[bool, typer.Option("--yes", help="Start missing runs without asking.")] = False,
     parameters: Parameters = None,
+    accuracy: Accuracy = None,
     settings: Settings = None,
 ) -> None:
     """Draw a figure of the paper; what has not been run is run after a question."""
@@ -48,7 +49,7 @@ def figure(
 
     def request(number: int) -> Request:
         scenes = {
-            name: scene_from(f"{size}-{name}", parameters, settings)
+            name: scene_from(f"{size}-{name}", parameters, settings, accuracy)
             for name in paper.figure_of(number).scenes
         }
         return paper.Request(number, scenes, wanted, data)
@@ -65,16 +66,15 @@ def figure(
 
 
 def _list(requests: list[Request]) -> None:
-    table = Table("", "figure", "scenes", "to be run", "expected", box=None)
+    rows = []
     for request in requests:
         missing = request.missing
-        seconds = sum(member.seconds for member in missing)
-        table.add_row(
+        rows.append((
             str(request.number), request.figure.title, ", ".join(request.scenes),
             f"{len(missing)} runs" if missing else "nothing",
-            duration(seconds) if missing else "",
-        )  # fmt: skip
-    console.print(table)
+            duration(sum(member.seconds for member in missing)) if missing else "",
+        ))  # fmt: skip
+    print_table(["", "figure", "scenes", "to be run", "expected"], rows, whole=[0, 3, 4], fold=True)
 
 
 def _run(request: Request, jobs: int, yes: bool) -> None:

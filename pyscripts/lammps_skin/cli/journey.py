@@ -7,16 +7,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from lammps_skin.analysis.coverage import count_by_kind, coverage
+from lammps_skin.cli.progress import Progress
 from lammps_skin.engine import Motion
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.simulation import Simulation
 
 NAMES = {Kind.STEM: "stem", Kind.TA: "TA", Kind.EXHAUSTED: "exhausted", Kind.ND: "ND"}
-NOTEWORTHY = 1e-4  # fraction of the particles
+# fractions of the particles that move beyond the neighbor lists: what is told of, and what is too
+# much. With the level "fast", whose ensembles are compared in docs/accuracy.md, it is 0.0017
+NOTEWORTHY, TOO_MUCH = 1e-4, 5e-3
 PIECES = 200  # of a run at least, and none longer than a time unit: how often the bar moves
 
 
@@ -44,25 +45,17 @@ class Journey:
         self.births = 0
         self._look(self._start)
 
-    def go(self, console: Console) -> None:
-        """Run, with a progress bar."""
-        bar = Progress(
-            TextColumn("t = {task.completed:.6g} of {task.total:g}", markup=False),
-            BarColumn(bar_width=12),
-            TextColumn("{task.fields[news]}", markup=False),
-            TimeRemainingColumn(),
-            console=console,
-        )
+    def go(self) -> None:
+        """Run, and show progress."""
         every = min(1.0, (self._end - self._start) / PIECES)
-        with bar:
-            task = bar.add_task("", total=self._end, news="")
-            bar.update(task, completed=self._start)
+        with Progress(self._end, self._start) as progress:
 
             def show(time: float, _: Simulation) -> None:
                 self._look(time)
-                speed = (time - self._start) / max(bar.tasks[0].elapsed or 0.0, 1e-9)
-                news = f"{self.living()} +{self.births} -{self.removals} {speed:.3g} t/s"
-                bar.update(task, completed=round(time, 6), news=news)
+                speed = (time - self._start) / max(progress.seconds, 1e-9)
+                reached = f"t = {round(time, 6):.6g} of {self._end:g}"
+                cells = f"{self.living()} +{self.births} -{self.removals}"
+                progress.show(time, f"{reached}  {cells}  {speed:.3g} t/s")
 
             try:
                 self._simulation.run(self._end, progress=show, every=every)
@@ -114,8 +107,20 @@ class Journey:
         if self._motion and self._beyond() > NOTEWORTHY:
             yield (
                 f"{self._beyond():.2%} of the particles moved beyond the neighbor lists within a "
-                "step; numerics.neighbor_skin is how far they reach"
+                f"step: {self._verdict()}"
             )
+
+    def _verdict(self) -> str:
+        """What particles beyond the neighbor lists mean for a run."""
+        if self._beyond() <= TOO_MUCH:
+            return (
+                f"the run is valid, up to {TOO_MUCH:.2%} their contacts are seen soon enough "
+                "(docs/accuracy.md)"
+            )
+        return (
+            f"the run is not valid, above {TOO_MUCH:.2%} contacts are missed; repeat it with a "
+            "larger numerics.neighbor_skin or a shorter numerics.timestep"
+        )
 
     def _beyond(self) -> float:
         """Fraction of particles that the neighbor lists did not reach, in the mean."""

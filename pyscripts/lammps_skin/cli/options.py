@@ -1,4 +1,4 @@
-"""What several subcommands share: options, the scene they describe, the console."""
+"""What several subcommands share: options, and the scene they describe."""
 
 from __future__ import annotations
 
@@ -8,20 +8,24 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 
+from lammps_skin.accuracy import LEVELS
 from lammps_skin.errors import SceneError
+from lammps_skin.keys import shown
 from lammps_skin.results import holds_results
 from lammps_skin.scene import Scene
-
-# nothing that a user gave is markup, and nothing is wrapped
-console = Console(markup=False, highlight=False, emoji=False, soft_wrap=True)
 
 Source = Annotated[
     str, typer.Argument(metavar="SCENE", help="Name of a built-in scene, or a .toml file.")
 ]
 Parameters = Annotated[
     str | None, typer.Option("--parameters", metavar="SET", help="Named parameter set.")
+]
+Seed = Annotated[
+    int | None, typer.Option("--seed", metavar="N", help="Of all that is random in the scene.")
+]
+Accuracy = Annotated[
+    str | None, typer.Option("--accuracy", metavar="LEVEL", help=f"{', '.join(LEVELS)}.")
 ]
 Settings = Annotated[
     list[str] | None,
@@ -37,21 +41,38 @@ def keep_results(directory: Path, remedy: str) -> None:
         raise SceneError(f"directory {directory}: holds results of a run; {remedy}")
 
 
-def scene_from(source: str, parameters: str | None, settings: Iterable[str] | None) -> Scene:
+def scene_from(
+    source: str, parameters: str | None, settings: Iterable[str] | None,
+    accuracy: str | None = None, seed: int | None = None,
+) -> Scene:  # fmt: skip
     """The scene that a command line describes."""
-    changes = changes_from(parameters, settings)
+    changes = changes_from(parameters, settings, accuracy, seed)
     scene = Scene.load(source)
-    return scene.replace(**changes) if changes else scene
+    if changes:
+        scene = scene.replace(**changes)
+    if seed is not None and scene.cells.seed is not None:
+        raise SceneError(
+            f"--seed {seed}: would not change the cells, whose seed is given: cells.seed = "
+            f"{scene.cells.seed}; give --set cells.seed={seed}"
+        )
+    return scene
 
 
-def changes_from(parameters: str | None, settings: Iterable[str] | None) -> dict[str, Any]:
-    """Dotted scene keys and their values."""
-    changes: dict[str, Any] = {} if parameters is None else {"parameters": parameters}
+def changes_from(
+    parameters: str | None, settings: Iterable[str] | None,
+    accuracy: str | None = None, seed: int | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Dotted scene keys and their values; raises `SceneError` for a key that is given twice."""
+    options = {"parameters": parameters, "numerics.accuracy": accuracy, "seed": seed}
+    changes = {key: value for key, value in options.items() if value is not None}
     for setting in settings or ():
         key, equals, text = setting.partition("=")
-        if not equals or not key.strip():
+        key = key.strip()
+        if not equals or not key:
             raise SceneError(f"--set {setting}: must be KEY=VALUE, such as cells.seed=3")
-        changes[key.strip()] = _value(text.strip())
+        if key in changes:
+            raise SceneError(f"--set {setting}: {key} = {shown(changes[key])} is given, too")
+        changes[key] = _value(text.strip())
     return changes
 
 
@@ -62,11 +83,3 @@ def _value(text: str) -> Any:
     except (ValueError, RecursionError):
         return text
     return parsed["value"] if parsed.keys() == {"value"} else text
-
-
-def duration(seconds: float) -> str:
-    """Seconds in the unit in which they are read most easily."""
-    for limit, unit, name in ((120, 1, "s"), (7200, 60, "min"), (172_800, 3600, "h")):
-        if seconds < limit:
-            return f"{seconds / unit:.3g} {name}"
-    return f"{seconds / 86_400:.3g} days"

@@ -12,7 +12,15 @@ import typer
 from lammps_skin.build import load_built
 from lammps_skin.checkpoints import wait_for_others
 from lammps_skin.cli.journey import Journey
-from lammps_skin.cli.options import Parameters, Settings, console, keep_results, scene_from
+from lammps_skin.cli.options import (
+    Accuracy,
+    Parameters,
+    Seed,
+    Settings,
+    keep_results,
+    scene_from,
+)
+from lammps_skin.cli.output import console
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.results import RESTARTS, replaced_results
@@ -51,11 +59,13 @@ def run(
         float | None, typer.Option(help="With --resume: another timestep from there on.")
     ] = None,
     parameters: Parameters = None,
+    accuracy: Accuracy = None,
+    seed: Seed = None,
     settings: Settings = None,
 ) -> None:
     """Run a scene, or a directory that `skin build` has made."""
     began = time.perf_counter()
-    scene, directory = _what_and_where(source, output, parameters, settings)
+    scene, directory = _what_and_where(source, output, parameters, settings, accuracy, seed)
     check_run(directory, ranks, threads)
     if resume:
         if scene or force:
@@ -112,7 +122,7 @@ def _watch(simulation: Simulation, directory: Path, until: float | None, began: 
     journey, end = Journey(simulation, until), "stopped after"
     try:
         with simulation:
-            journey.go(console)
+            journey.go()
         end = "reached"
     except KeyboardInterrupt:
         end = "interrupted at"
@@ -125,7 +135,7 @@ def _watch(simulation: Simulation, directory: Path, until: float | None, began: 
         console.print(f"{simulation.scene.name}: {end} t = {journey.time:.6g}, {seconds:.1f} s")
         for line in journey.lines(directory / "events.csv"):
             console.print(f"  {line}")
-        _name_files(directory)
+        _name_files(directory, ended=end == "reached")
 
 
 def _shortened(scene: Scene | None, directory: Path, until: float) -> Scene | None:
@@ -138,15 +148,24 @@ def _shortened(scene: Scene | None, directory: Path, until: float) -> Scene | No
 
 
 def _what_and_where(
-    source: str, output: Path | None, parameters: str | None, settings: list[str] | None
+    source: str,
+    output: Path | None,
+    parameters: str | None,
+    settings: list[str] | None,
+    accuracy: str | None,
+    seed: int | None,
 ) -> tuple[Scene | None, Path]:
     """The scene, None for a built directory, and the directory of the run."""
     built = bool(source) and source not in BUILT_IN and Path(source).is_dir()
     if not built:
-        scene = scene_from(source, parameters, settings)
+        scene = scene_from(source, parameters, settings, accuracy, seed)
         return scene, output or Path("runs") / scene.name
-    for option, value in (("--set", settings), ("--parameters", parameters), ("-o", output)):
-        if value:
+    given = {
+        "--set": settings, "--parameters": parameters, "--accuracy": accuracy, "--seed": seed,
+        "-o": output,
+    }  # fmt: skip
+    for option, value in given.items():
+        if value not in (None, []):
             raise SceneError(
                 f"{option}: a built directory is run as it is; give the scene to change it"
             )
@@ -154,11 +173,12 @@ def _what_and_where(
     return None, Path(source)
 
 
-def _name_files(directory: Path) -> None:
-    """Print what a run has left."""
+def _name_files(directory: Path, ended: bool) -> None:
+    """Print what a run has left, and how to go on with one that has not ended."""
     console.print(f"in {directory}:")
     for name, content in FILES.items():
         if (directory / name).exists():
             console.print(f"  {name:<16} {content}")
     if any(directory.glob(RESTARTS)):
-        console.print(f"  {RESTARTS:<16} checkpoints; go on: skin run {directory} --resume")
+        go_on = "" if ended else f"; go on: skin run {directory} --resume"
+        console.print(f"  {RESTARTS:<16} checkpoints{go_on}")

@@ -7,11 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.progress import BarColumn, Progress, TextColumn
 
 from lammps_skin.cli.ensemble import INTERRUPTED
-from lammps_skin.cli.options import Parameters, Settings, Source, console, scene_from
-from lammps_skin.cli.tradeoff import print_table
+from lammps_skin.cli.options import (
+    Accuracy,
+    Parameters,
+    Seed,
+    Settings,
+    Source,
+    scene_from,
+)
+from lammps_skin.cli.output import console, print_table
+from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError, SimulationError
 
 if TYPE_CHECKING:
@@ -53,6 +60,8 @@ def stability(
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for tables and plot.")
     ] = Path("stability"),
     parameters: Parameters = None,
+    accuracy: Accuracy = None,
+    seed: Seed = None,
     settings: Settings = None,
 ) -> None:
     """Map the longest stable timesteps, by bisection, beside estimates."""
@@ -64,7 +73,7 @@ def stability(
     ):  # fmt: skip
         if not least < value <= most:
             raise SceneError(f"--{name} {value:g}: must be above {least:g} and at most {most:g}")
-    scene = scene_from(source, parameters, settings)
+    scene = scene_from(source, parameters, settings, accuracy, seed)
     limit = scene.numerics.stiffness_limit or LIMIT
     found = methods(stages, limit)
     chosen = _chosen("--methods", only, [method.name for method in found])
@@ -112,28 +121,21 @@ def _measure(trials: dict[Point, Trials], found: list[Method], tolerance: float)
     """Limits that are missing, with a progress bar."""
     from lammps_skin.stability.report import row
 
-    bar = Progress(
-        TextColumn("{task.fields[news]}", markup=False),
-        BarColumn(bar_width=20),
-        TextColumn("{task.completed:.0f} of {task.total:.0f}", markup=False),
-        console=console,
-    )
-    rows = []
-    with bar:
-        task = bar.add_task("", total=len(trials) * len(found), news="")
+    rows, total, done = [], len(trials) * len(found), 0
+    with Progress(total) as progress:
         for (name, factor), one in trials.items():
-            for method in found:
-                bar.update(task, news=f"{name} x {factor:g}, {method.name}")
+            for n, method in enumerate(found):
+                news = f"{name} x {factor:g}, {method.name}: {done + n} of {total}"
+                progress.show(done + n, news)
                 try:
                     limit = one.limit(method, tolerance)
                     eigenvalues = one.eigenvalues(method.stiffness_limit)
                 except SimulationError as error:
                     console.print(f"left out: {name} x {factor:g}: {error}")
-                    bar.update(task, advance=len(found))
                     break
                 rows.append(row(name, factor, method, limit, eigenvalues))
-                bar.update(task, advance=1)
             one.close()
+            done += len(found)
     if not rows:
         raise SimulationError("nothing could be measured")
     return rows

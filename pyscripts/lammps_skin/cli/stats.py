@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.table import Table
 
-from lammps_skin.cli.options import console
+from lammps_skin.cli.output import console, print_table
 from lammps_skin.errors import SkinError
 
 MOMENTS = 7  # of a run that are shown
@@ -45,17 +44,20 @@ def stats(
         f"{told['scene']}, {told['parameters']}, seed {told['seed']}: {told['frames']} frames, "
         f"t = {told['from']:g} to {told['to']:g} of {told['end_time']:g}"
     )
-    _print(["", *_moments(found)], _over_time(found))
     means = found["window"]
-    _print(
-        [f"t = {means['start']:g} to {means['end']:g}", "mean", "95 % interval", "frames"],
-        _averages(means["means"]),
-    )
+    window = f"t = {means['start']:g} to {means['end']:g}"
+    tables = [
+        (["", *_moments(found)], _over_time(found)),
+        ([window, "mean", "95 % interval", "frames"], _averages(means["means"])),
+    ]
     if found["events"]:
-        _print(["events", ""], _happened(found["events"]))
-        _print(["clone of", "kind", "births", "removals", "cells"], _clones(found["events"]))
+        tables.append((["events", ""], _happened(found["events"])))
+        heads = ["clone of", "kind", "births", "removals", "cells"]
+        tables.append((heads, _clones(found["events"])))
     if found["energies"]:
-        _print(["energy", "first", "mean", "last"], _energies(found["energies"]))
+        tables.append((["energy", "first", "mean", "last"], _energies(found["energies"])))
+    for heads, rows in tables:
+        print_table(heads, rows, right=True)
 
 
 def _times(window: str) -> tuple[float, float]:
@@ -66,19 +68,6 @@ def _times(window: str) -> tuple[float, float]:
     except ValueError:
         pass
     raise SkinError(f"--window {window}: must be two ascending times, such as 600-1000")
-
-
-def _print(heading: list[str], rows: Iterator[tuple[str, ...]]) -> None:
-    filled = list(rows)
-    if not filled:
-        return
-    table = Table(box=None, pad_edge=False)
-    for n, title in enumerate(heading):
-        table.add_column(title, justify="left" if n == 0 else "right", no_wrap=True)
-    for row in filled:
-        table.add_row(*row)
-    console.print()
-    console.print(table)
 
 
 def _places(found: dict[str, Any]) -> list[int]:

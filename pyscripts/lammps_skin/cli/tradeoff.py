@@ -7,19 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.measure import Measurement
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 from lammps_skin.cli.ensemble import FAILED, INTERRUPTED, run_members, seeds_of
 from lammps_skin.cli.options import (
     Parameters,
+    Seed,
     Settings,
     Source,
     changes_from,
-    console,
     scene_from,
 )
+from lammps_skin.cli.output import console, print_table
+from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError
 from lammps_skin.tradeoff.grid import Grid, Variant, variants
 
@@ -27,9 +26,6 @@ if TYPE_CHECKING:
     from lammps_skin.tradeoff.bias import Bias, Window
     from lammps_skin.tradeoff.measure import Laboratory
     from lammps_skin.tradeoff.report import Report
-
-
-WIDTH = 200  # of tables at most, also where the terminal is narrower
 
 
 def tradeoff(
@@ -70,6 +66,7 @@ def tradeoff(
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for tables and plot.")
     ] = Path("tradeoff"),
     parameters: Parameters = None,
+    seed: Seed = None,
     settings: Settings = None,
 ) -> None:
     """Compare choices of numerics: error against time."""
@@ -77,7 +74,7 @@ def tradeoff(
 
     if not 0 < interval <= 1000:
         raise SceneError(f"--interval {interval:g}: must be above 0 and at most 1000")
-    scene = scene_from(source, parameters, settings)
+    scene = scene_from(source, parameters, settings, seed=seed)
     wanted = [variant_from(text) for text in more or ()]
     found, left_out = variants(scene, interval, grid, wanted)
     for reason in left_out:
@@ -144,31 +141,23 @@ def _measure(laboratory: Laboratory, found: list[Variant]) -> None:
         return laboratory.interval * numerics.evaluations / numerics.timestep
 
     total = sum(map(work, trajectories)) + ROUNDS * sum(map(work, chain(*sittings)))
-    bar = Progress(
-        TextColumn("{task.fields[news]}", markup=False),
-        BarColumn(bar_width=20),
-        TextColumn("{task.percentage:.0f} %", markup=False),
-        TimeRemainingColumn(),
-        console=console,
-    )
-    with bar:
-        task = bar.add_task("", total=total, news="")
-        done = 0.0
+    done = 0.0
+    with Progress(total) as progress:
         for one in trajectories:
             part = work(one)
 
             def advance(name: str, time: float, part: float = part, done: float = done) -> None:
-                reached = done + part * time / laboratory.interval
-                bar.update(task, completed=reached, news=f"trajectory of {name}")
+                progress.show(done + part * time / laboratory.interval, f"trajectory of {name}")
 
             laboratory.reached(one, advance)
             done += part
-            bar.update(task, completed=done)
         for sitting in sittings:
             parts = {one.name: work(one) for one in sitting}
 
             def turn(name: str, _: float, parts: dict[str, float] = parts) -> None:
-                bar.update(task, advance=parts[name], news=f"time of {name}")
+                nonlocal done
+                done += parts[name]
+                progress.show(done, f"time of {name}")
 
             laboratory.sit(sitting, turn)
 
@@ -237,11 +226,3 @@ def _show(report: Report, output: Path, name: str) -> None:
     for path in report.write(output, name):
         console.print(str(path))
     console.print(str(save(draw(report), output / f"{name}.png")))
-
-
-def print_table(names: list[str], cells: list[list[str]]) -> None:
-    table = Table(*names, box=None)
-    for line in cells:
-        table.add_row(*line)
-    table.width = Measurement.get(console, console.options.update(width=WIDTH), table).maximum
-    console.print(table)
