@@ -57,8 +57,8 @@ def check(
     print_table(["cost on one core", ""], _costs(described, seconds), whole=[0], fold=True)
     with console.status("measuring"):
         found = measured(described) if savings else list(candidates(described))
-    heads = ["could be left out", "by", "risk", "step time"]
-    print_table(heads, _savings(found), whole=[1, 3], fold=True)
+    heads = ["could be left out", "risk", *(["step time"] if savings else [])]
+    print_table(heads, _savings(found), whole=[0, 2], fold=True)
 
 
 def _parts(scene: Scene) -> Iterator[tuple[str, ...]]:
@@ -149,5 +149,5 @@ def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
 def _savings(found: list[Saving]) -> Iterator[tuple[str, ...]]:
     for saving in found:
         keys = ", ".join(f"{key} = {str(value).lower()}" for key, value in saving.changes.items())
-        measure = "--savings" if math.isnan(saving.time) else f"x {saving.time:.2f}"
-        yield saving.name, keys, saving.risk, measure
+        measure = () if math.isnan(saving.time) else (f"x {saving.time:.2f}",)
+        yield keys, f"{saving.name}: {saving.risk}", *measure
