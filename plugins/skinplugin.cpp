@@ -8,6 +8,7 @@
 #include "pair_skin_core.h"
 #include "pair_skin_dermis.h"
 #include "pair_skin_lj.h"
+#include "skin_binary.h"
 
 #include "lammps.h"
 
@@ -79,10 +80,12 @@ static void *create_fix_skin_motion(LAMMPS *lmp, int narg, char **arg)
 extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle,
                                                                          void *regfunc)
 {
+  if (!skin_fits((LAMMPS *) lmp, handle)) return;
+
   auto register_plugin = (lammpsplugin_regfunc) regfunc;
   lammpsplugin_t plugin = {};
 
-  plugin.version = ((LAMMPS *) lmp)->version;
+  plugin.version = ((LAMMPS *) lmp)->version;    // the one that it was compiled for
   plugin.author = "the lammps-skin authors";
   plugin.handle = handle;
 

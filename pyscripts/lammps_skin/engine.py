@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from lammps_skin.errors import SimulationError
 from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.plugin import folder
 from lammps_skin.terms import TERMS
 
 Ints = NDArray[np.int64]
@@ -35,8 +36,19 @@ def open_lammps(arguments: Sequence[str] = ()) -> Any:
     engine = lammps(cmdargs=["-screen", "none", "-nocite", *arguments])
     if ["fix", "skin/cells"] not in engine.available_plugins():
         engine.close()
-        raise SimulationError("LAMMPS has not loaded skinplugin.so: install lammps-skin with pip")
+        raise SimulationError(_why_not_loaded())
     return engine
+
+
+def _why_not_loaded() -> str:
+    """What the plugin says, if it is there."""
+    try:
+        plugin = ctypes.CDLL(str(Path(folder()) / "skinplugin.so"))
+    except OSError as error:
+        return f"LAMMPS has not loaded skinplugin.so: {error}; install lammps-skin with pip"
+    plugin.skin_refusal.restype = ctypes.c_char_p
+    refusal: bytes = plugin.skin_refusal()
+    return refusal.decode() or "LAMMPS has not loaded skinplugin.so: install lammps-skin with pip"
 
 
 def _load_mpi() -> None:
