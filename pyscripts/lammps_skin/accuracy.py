@@ -51,10 +51,10 @@ def numerics(
 ) -> dict[str, Any]:
     """Keys of `numerics` that a level gives to a scene.
 
-    Its timestep is shortened until all intervals are whole numbers of steps, and there are enough
-    of them in the fastest process. For the same stability with another timestep, also one that is
-    given, s^2 + s of the stages is in proportion to it; rkl2 needs (s^2 + s - 2) / 2 instead, and
-    Euler, with one stage, the shorter timestep.
+    Its timestep is shortened until all intervals are whole numbers of steps, if they can be, and
+    there are enough of them in the fastest process. For the same stability with another timestep,
+    also one that is given, s^2 + s of the stages is in proportion to it; rkl2 needs
+    (s^2 + s - 2) / 2 instead, and Euler, with one stage, the shorter timestep.
 
     Parameters
     ----------
@@ -70,12 +70,9 @@ def numerics(
     values = dict(LEVELS[level])
     if not values:
         return values
-    longest, stages = values["timestep"], values["stages"]
     integrator = given.get("integrator", values["integrator"])
-    limit = stages**2 + stages  # timestep times the largest eigenvalue, at the level's own step
-    if integrator == "euler":
-        longest, limit = 2 * longest / limit, 2
-    values["timestep"] = _timestep(longest, intervals, fastest / RESOLUTION)
+    longest, limit = _longest(level, integrator)
+    values["timestep"] = fitted(longest, intervals, fastest)
     values["event_interval"] = min(values["event_interval"], fastest / RESOLUTION)
     timestep = given.get("timestep", values["timestep"])
     if isinstance(timestep, (int, float)) and 0 < timestep < MOST_TIMESTEPS * longest:
@@ -84,6 +81,18 @@ def numerics(
             stable = 2 * stable + 2
         values["stages"] = max(3, math.ceil((math.sqrt(1 + 4 * stable) - 1) / 2))
     return values
+
+
+def longest_timestep(level: str, integrator: str, fastest: float) -> float | None:
+    """The timestep of a level in a scene whose intervals all fit; None if it has none."""
+    return fitted(_longest(level, integrator)[0], [], fastest) if LEVELS[level] else None
+
+
+def _longest(level: str, integrator: str) -> tuple[float, float]:
+    """Timestep of a level, and that times the largest eigenvalue of which it is stable."""
+    longest, stages = LEVELS[level]["timestep"], LEVELS[level]["stages"]
+    limit = stages**2 + stages  # at the level's own step
+    return (2 * longest / limit, 2) if integrator == "euler" else (longest, limit)
 
 
 def reach(integrator: str, stages: int) -> float:
@@ -96,14 +105,17 @@ def reach(integrator: str, stages: int) -> float:
     return {"euler": 2.0, "rkl1": s * s + s, "rkl2": (s * s + s - 2) / 2}[integrator]
 
 
-def _timestep(longest: float, intervals: Sequence[float], short: float) -> float:
-    """The longest of `TIMESTEPS` that fits, or the shortest of them."""
+def fitted(longest: float, intervals: Sequence[float], fastest: float) -> float:
+    """The longest of `TIMESTEPS` that fits all intervals, but for those that none of them fits."""
+    shortest = min(longest, fastest / RESOLUTION, *intervals)
+    fitting = [time for time in intervals if fits(time, TIMESTEPS[-1])]
     for timestep in TIMESTEPS:
-        whole = all(_is_whole(time / timestep) for time in intervals)
-        if timestep <= min(longest, short, *intervals) and whole:
+        if timestep <= shortest and all(fits(time, timestep) for time in fitting):
             return timestep
     return TIMESTEPS[-1]
 
 
-def _is_whole(steps: float) -> bool:
-    return steps > MANY or abs(steps - round(steps)) < 1e-6
+def fits(time: float, timestep: float) -> bool:
+    """Whether a time is a whole number of steps, or so many that it does not matter."""
+    steps = time / timestep
+    return steps > MANY or (steps > 0.5 and abs(steps - round(steps)) < 1e-6)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
+
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
@@ -38,14 +41,40 @@ def as_tuples(given: Mapping[str, Any]) -> dict[str, Any]:
 def first_line(model: type[BaseModel], error: ValidationError) -> str:
     """First problem of a validation as `key = value: what is allowed`."""
     problem = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in problem["loc"] if isinstance(part, str))
+    parts = [part for part in problem["loc"] if isinstance(part, str)]
+    given = f"{dotted(parts)} = {shown(problem['input'])}"
     if problem["type"] == "value_error":
         return str(problem["msg"]).removeprefix("Value error, ")
     if problem["type"] == "extra_forbidden":
-        allowed = _keys_beside(model, key)
-        return f"{key} = {shown(problem['input'])}: unknown key; allowed: {allowed}"
+        beside = list(_part(model, parts[:-1]).model_fields)
+        everywhere = {key.rpartition(".")[2]: key for key in _keys(model)}
+        guess = near(parts[-1], beside) or near(parts[-1], everywhere, everywhere)
+        return f"{given}: unknown key; allowed: {', '.join(beside)}{guess}"
     what = _EXPECTED.get(problem["type"]) or str(problem["msg"]).replace("Input should", "must")
-    return f"{key} = {shown(problem['input'])}: {what}"
+    guess = ""
+    if problem["type"] == "literal_error":
+        allowed = get_args(_part(model, parts[:-1]).model_fields[parts[-1]].annotation)
+        guess = near(problem["input"], allowed)
+    return f"{given}: {what}{guess}"
+
+
+def near(word: Any, allowed: Iterable[str], names: Mapping[str, str] | None = None) -> str:
+    """The end of an error that offers the word that may have been meant; nothing without one.
+
+    Parameters
+    ----------
+    word : what was given
+    allowed : words that there are
+    names : mapping, optional
+        What to call them.
+    """
+    found = get_close_matches(str(word)[:100].lower(), list(allowed), n=1)
+    return f"; did you mean {(names or {}).get(found[0], found[0])}?" if found else ""
+
+
+def dotted(parts: Iterable[str]) -> str:
+    """Nested keys with dots between them, in quotes what is empty or has a dot of its own."""
+    return ".".join(json.dumps(part) if "." in part or not part else part for part in parts)
 
 
 # in the words of TOML instead of Python's
@@ -67,10 +96,19 @@ def shown(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _keys_beside(model: type[BaseModel], key: str) -> str:
-    """The known keys of the part in which an unknown key stands."""
-    for part in key.split(".")[:-1]:
-        annotation = model.model_fields[part].annotation
+def _part(model: type[BaseModel], parts: Iterable[str]) -> type[BaseModel]:
+    """The part of a model that is reached by keys."""
+    for key in parts:
+        annotation = model.model_fields[key].annotation
         assert isinstance(annotation, type) and issubclass(annotation, BaseModel)
         model = annotation
-    return ", ".join(model.model_fields)
+    return model
+
+
+def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
+    """All dotted keys of a model, those of the top last."""
+    for key, field in model.model_fields.items():
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            yield from _keys(field.annotation, f"{prefix}{key}.")
+    for key in model.model_fields:
+        yield f"{prefix}{key}"

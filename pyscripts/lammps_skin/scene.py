@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError,
 from lammps_skin import accuracy, parameters
 from lammps_skin.accuracy import DEFAULT_LEVEL, LEVELS, Level
 from lammps_skin.errors import SceneError
-from lammps_skin.keys import as_tuples, first_line, merged, shown
+from lammps_skin.keys import as_tuples, first_line, merged, near, shown
 from lammps_skin.kinds import Kind
 
 LARGEST_FILE = 1_000_000  # bytes of a scene file
@@ -169,6 +169,7 @@ class Scene(Part):
         if not isinstance(name, str) or name not in parameters.SETS:
             raise SceneError(
                 f"parameters = {shown(name)}: must be one of {', '.join(parameters.SETS)}"
+                f"{near(name, parameters.SETS)}"
             )
         defaults = merged(parameters.SETS[name], {"numerics": _of_level(raw)})
         try:
@@ -189,6 +190,7 @@ class Scene(Part):
         if path.suffix != ".toml":
             raise SceneError(
                 f"scene {str(source)!r}: neither a .toml file nor one of {', '.join(BUILT_IN)}"
+                f"{near(source, BUILT_IN)}"
             )
         try:
             return cls.from_dict(tomllib.loads(_text(path)))
@@ -362,7 +364,7 @@ def _text(path: Path) -> str:
         raise SceneError("is no file")
     if path.is_file() and path.stat().st_size > LARGEST_FILE:
         raise SceneError(f"has more than {LARGEST_FILE} bytes")
-    return path.read_text("utf-8")
+    return path.read_text("utf-8-sig")  # with or without a byte order mark
 
 
 def _of_level(given: Mapping[str, Any]) -> dict[str, Any]:

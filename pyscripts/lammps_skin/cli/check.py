@@ -22,9 +22,10 @@ from lammps_skin.cli.output import console, duration, print_table
 from lammps_skin.configuration import check_sizes
 from lammps_skin.errors import one_line
 from lammps_skin.kinds import Kind
+from lammps_skin.remarks import remarks
 from lammps_skin.savings import Saving, candidates, measured
 from lammps_skin.scene import Scene
-from lammps_skin.stiffness import longest_timestep, stiffest, warning
+from lammps_skin.stiffness import longest_timestep, stiffest
 from lammps_skin.terms import TERMS
 
 
@@ -50,7 +51,7 @@ def check(
         "part": _parts, "term": _terms, "size": _sizes, "numerics": _numerics,
     }.items():  # fmt: skip
         print_table([title, "", ""], rows(described), whole=[0], fold=True)
-    if remark := warning(described):
+    for remark in remarks(described):
         console.print(remark)
     with console.status("measuring"):
         seconds = cost.measure(described) if measure else None

@@ -11,6 +11,7 @@ from lammps_skin.cli.options import Accuracy, Parameters, Settings, scene_from
 from lammps_skin.cli.output import console, duration
 from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError, SkinError
+from lammps_skin.remarks import remarks
 
 if TYPE_CHECKING:
     from lammps_skin.ensemble import Member
@@ -45,6 +46,9 @@ def ensemble(
     if not scenes and not runs:
         raise SceneError("scene: give at least one, or runs to take in with --from")
     described = [scene_from(scene, parameters, settings, accuracy) for scene in scenes or ()]
+    for one in described:
+        for remark in remarks(one):
+            console.print(f"{one.name}: {remark}")
     members = ensembles.members(described, seeds_of(seeds), output)
     failures: dict[str, str] = {}
     for directory in runs or ():

@@ -23,11 +23,11 @@ from lammps_skin.cli.options import (
 from lammps_skin.cli.output import console
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError, SimulationError
+from lammps_skin.remarks import remarks
 from lammps_skin.results import RESTARTS, replaced_results
 from lammps_skin.scene import Scene
 from lammps_skin.scenes import BUILT_IN
 from lammps_skin.simulation import Simulation, check_run, start_time
-from lammps_skin.stiffness import warning
 
 FILES = {
     "events.csv": "births, ends of divisions, removals",
@@ -87,7 +87,7 @@ def _begun(
         keep_results(directory, "--resume goes on with it, --force replaces them")
     if until is not None:
         scene = _shortened(scene, directory, until)
-    if remark := warning(scene or load_built(directory)):
+    for remark in remarks(scene or load_built(directory)):
         console.print(remark)
     with console.status("building"):
         configuration = Configuration.from_scene(scene) if scene else None

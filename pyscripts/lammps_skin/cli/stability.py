@@ -20,6 +20,7 @@ from lammps_skin.cli.options import (
 from lammps_skin.cli.output import console, print_table
 from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError, SimulationError
+from lammps_skin.keys import near
 
 if TYPE_CHECKING:
     from lammps_skin.stability.methods import Method
@@ -101,7 +102,10 @@ def _chosen(option: str, text: str | None, allowed: list[str]) -> list[str]:
     names = allowed if text is None else [name.strip() for name in text.split(",")]
     for name in names:
         if name not in allowed:
-            raise SceneError(f"{option} {text}: {name!r} must be one of {', '.join(allowed)}")
+            raise SceneError(
+                f"{option} {text}: {name!r} must be one of {', '.join(allowed)}"
+                f"{near(name, allowed)}"
+            )
     return names
 
 

@@ -15,6 +15,7 @@ from lammps_skin.figures.moments import Moment, Source, read_moments
 from lammps_skin.figures.palette import COLOURS, NAMES
 from lammps_skin.figures.plane import draw_heights, draw_section, highest_stem
 from lammps_skin.figures.scenery import view
+from lammps_skin.keys import near
 from lammps_skin.kinds import CELLS, Kind
 
 SHOWN = {"stem": (Kind.STEM,), "ta": (Kind.TA, Kind.EXHAUSTED), "nd": (Kind.ND,)}
@@ -27,7 +28,8 @@ def kinds_of(show: Sequence[str]) -> tuple[Kind, ...]:
     """Kinds of cells by the words of `SHOWN`."""
     unknown = [word for word in show if word not in SHOWN]
     if unknown or not show:
-        raise FigureError(f"show = {','.join(show)!r}: must be some of {', '.join(SHOWN)}")
+        guess = near(unknown[0], SHOWN) if unknown else ""
+        raise FigureError(f"show = {','.join(show)!r}: must be some of {', '.join(SHOWN)}{guess}")
     return tuple(kind for word in SHOWN if word in show for kind in SHOWN[word])
 
 
@@ -90,7 +92,9 @@ def snapshot(
         If there is no such frame, view or kind of cell, or if the file cannot be written.
     """
     if view != "all" and view not in VIEWS:
-        raise FigureError(f"view = {view!r}: must be one of {', '.join(VIEWS)}, all")
+        raise FigureError(
+            f"view = {view!r}: must be one of {', '.join(VIEWS)}, all{near(view, [*VIEWS, 'all'])}"
+        )
     kinds = kinds_of(show)
     check_output(path)
     (moment,) = read_moments(source, [time])
