@@ -15,6 +15,7 @@ from typing import Any
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError, one_line
 from lammps_skin.kinds import Kind
+from lammps_skin.plugin import installed
 from lammps_skin.scene import Scene
 from lammps_skin.terms import (
     StyledTerm,
@@ -27,7 +28,6 @@ from lammps_skin.terms import (
     wall_coefficients,
 )
 
-INPUTS = Path(__file__).resolve().parent / "lammps_inputs"
 SCRIPTS = (
     "skin.in", "state.in", "membrane.in", "dermis.in", "cells.in", "integration.in", "output.in",
 )  # fmt: skip
@@ -48,11 +48,14 @@ def build(
         configuration = Configuration.from_scene(scene)
     else:
         configuration.check(scene)
+    scripts = installed("lammps_inputs")
+    if not scripts.is_dir():
+        raise SceneError(f"{scripts} is missing: install lammps-skin with pip")
     fresh = not directory.exists()
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".building-", dir=directory) as folder:
-            _write(scene, Path(folder), configuration)
+            _write(scene, scripts, Path(folder), configuration)
             (directory / SCENE_FILE).unlink(missing_ok=True)
             for path in sorted(Path(folder).iterdir(), key=lambda path: path.name == SCENE_FILE):
                 path.replace(directory / path.name)
@@ -64,11 +67,11 @@ def build(
     return configuration
 
 
-def _write(scene: Scene, directory: Path, configuration: Configuration) -> None:
+def _write(scene: Scene, scripts: Path, directory: Path, configuration: Configuration) -> None:
     terms = pair_terms(scene)
     for script in SCRIPTS:
         if _needed(script, scene):
-            shutil.copyfile(INPUTS / script, directory / script)
+            shutil.copyfile(scripts / script, directory / script)
     for term in terms:
         if term.table:
             term.table.write(directory / f"{term.name}.table")
