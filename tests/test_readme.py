@@ -1,0 +1,43 @@
+"""Every code block of the README runs as printed, in order, in a fresh directory."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", (ROOT / "README.md").read_text("utf-8"), re.M | re.S)
+MADE = [
+    "runs/one-stem/skin.h5", "runs/two-cells/events.csv", "runs/one-stem/snapshot-3d-last.png",
+    "runs/one-stem/vtk", "ensemble", "figures/figure-3-quick.png", "forces.txt", "two/skin.dump",
+    "two/skin.h5", "runs/seed-3/skin.h5",
+]  # fmt: skip
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Path:
+    """A directory like a fresh clone in which the package has been installed."""
+    for name in ("README.md", "docs", "lammps_inputs"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    (tmp_path / ".venv").symlink_to(sys.prefix)
+    return tmp_path
+
+
+def test_every_block_runs(clone: Path) -> None:
+    """Python blocks run twice, as a cell of a notebook does. `make` is what runs this test."""
+    python = [code for language, code in BLOCKS if language == "python"]
+    shell = [code for language, code in BLOCKS if not language and not code.startswith("make ")]
+    assert len(python) + len(shell) == len(BLOCKS) - 1
+    (clone / "block.py").write_text("\n".join(python))
+    script = ["set -euxo pipefail", *shell, f"cd {clone}", "python block.py", "python block.py"]
+    ended = subprocess.run(
+        ["bash", "-c", "\n".join(script)], cwd=clone, capture_output=True, text=True,
+        env={key: os.environ[key] for key in ("HOME", "PATH") if key in os.environ},
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    assert not [name for name in MADE if not (clone / name).exists()]
