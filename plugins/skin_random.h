@@ -21,12 +21,13 @@ namespace SkinRandom {
     return z ^ (z >> 31);
   }
 
-  // uniform in the open interval (0,1)
+  // uniform in the open interval (0,1): the last of the 2^53 values would round to 1
 
   inline double uniform(uint64_t seed, uint64_t cell, uint64_t event, Purpose purpose)
   {
     const uint64_t h = mix(mix(mix(mix(seed) ^ cell) ^ event) ^ purpose);
-    return ((double) (h >> 11) + 0.5) * 0x1.0p-53;
+    const double u = ((double) (h >> 11) + 0.5) * 0x1.0p-53;
+    return u < 1.0 ? u : 1.0 - 0x1.0p-53;
   }
 
 }    // namespace SkinRandom

@@ -1,13 +1,11 @@
 """The documents say what is so: links, commands, keys, scenes, keywords, variables, modules."""
 
 import ast
+import importlib
 import inspect
 import json
 import re
-import shlex
 import tomllib
-from collections.abc import Iterator
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -22,60 +20,9 @@ from lammps_skin.cli.options import scene_from
 from lammps_skin.packing import FORCE_TOLERANCE, dermal_count
 from lammps_skin.scene import Scene
 from lammps_skin.scenes import BUILT_IN
+from pages import BY_NAME, PACKAGE, PAGES, ROOT, codes, commands, fences, rows, section, text
 from pydantic import BaseModel
 from typer.main import get_command
-
-ROOT = Path(__file__).resolve().parents[1]
-PACKAGE = ROOT / "pyscripts" / "lammps_skin"
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BY_NAME = [path.name for path in PAGES]
-
-
-@cache
-def text(name: str) -> str:
-    """Text of a page, or of a file by its path in the tree."""
-    path = ROOT / name if "/" in name or name == "README.md" else ROOT / "docs" / name
-    return path.read_text("utf-8")
-
-
-def section(page: str, title: str) -> str:
-    """What stands below a heading, up to the next one that is not deeper."""
-    found = re.search(rf"^(#+) {re.escape(title)}\n", text(page), re.MULTILINE)
-    assert found, f"{page} has no heading {title!r}"
-    rest = text(page)[found.end() :]
-    return re.split(rf"^#{{1,{len(found[1])}}} ", rest, maxsplit=1, flags=re.MULTILINE)[0]
-
-
-def rows(markdown: str) -> list[list[str]]:
-    """Cells of all table rows, headings left out."""
-    lines = markdown.splitlines()
-    heads = {n for n, line in enumerate(lines[1:]) if re.fullmatch(r"\|( --- \|)+", line)}
-    return [
-        [cell.strip() for cell in line.strip("|").split(" | ")]
-        for n, line in enumerate(lines)
-        if line.startswith("|") and n not in heads and n - 1 not in heads
-    ]
-
-
-def codes(markdown: str) -> list[str]:
-    """What stands between backticks, fences left out."""
-    return re.findall(r"`([^`\n]+)`", re.sub(r"```.*?```", "", markdown, flags=re.DOTALL))
-
-
-def fences(name: str, language: str = "") -> list[str]:
-    """Fenced blocks of a page in a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```$", text(name), re.MULTILINE | re.DOTALL)
-
-
-def commands(start: str) -> Iterator[tuple[str, list[str]]]:
-    """Fenced lines of all pages that begin with a command: page, words."""
-    for name in BY_NAME:
-        for block in re.findall(r"^```\w*\n(.*?)^```$", text(name), re.MULTILINE | re.DOTALL):
-            for line in block.splitlines():
-                words = shlex.split(line, comments=True)
-                if start in words[:4]:
-                    yield name, words[words.index(start) + 1 :]
-
 
 # ---- links
 
@@ -345,6 +292,43 @@ def test_modules() -> None:
     assert sorted(named) == sorted(there - {"__init__"})
     for n, module in enumerate(named):
         assert imports(module) <= set(named[:n]), module
+
+
+def test_names_of_the_architecture() -> None:
+    """Functions and constants that the page names are in the files that it names beside them."""
+    for what, cpp, *_ in rows(section("architecture.md", "What is stated twice")):
+        files = [name for name in codes(cpp) if name.startswith("plugins/")]
+        code = "".join(text(name) for name in files)
+        for name in set(codes(cpp)) - set(files):
+            assert re.search(rf"\b{name}\b", code), f"{what}: {name}"
+
+
+def attribute(name: str) -> object:
+    """What a dotted name of the package stands for; raises if it stands for nothing."""
+    found: object = importlib.import_module("lammps_skin")
+    for n, part in enumerate(parts := name.split(".")):
+        try:
+            found = getattr(found, part)
+        except AttributeError:
+            found = importlib.import_module(".".join(["lammps_skin", *parts[: n + 1]]))
+    return found
+
+
+def test_names_of_the_package() -> None:
+    """Dotted names in the architecture, names that begin with the package, and imports."""
+    named = re.findall(r"`([a-z]\w*(?:\.\w+)+)`", text("architecture.md"))
+    modules = {path.stem for path in PACKAGE.iterdir()}
+    found = {name for name in named if name.split(".")[0] in modules}
+    for page in BY_NAME:
+        found |= set(re.findall(r"`lammps_skin\.([\w.]+)`", text(page)))
+        trees = [ast.parse(block) for block in fences(page, "python")]
+        for node in (node for tree in trees for node in ast.walk(tree)):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("lammps_skin"):
+                prefix = f"{node.module}.".removeprefix("lammps_skin.")
+                found |= {f"{prefix}{alias.name}" for alias in node.names}
+    assert {"potentials.stretch", "Scene"} <= found
+    for name in sorted(found):
+        attribute(name)
 
 
 def test_sources_of_the_plugin() -> None:

@@ -32,6 +32,10 @@ class SimulationError(SkinError):
     """A run that LAMMPS, or the watch over it, has stopped."""
 
 
+class MembraneError(SkinError, ValueError):
+    """A membrane that does not have what was asked for, as a height at every place."""
+
+
 class FigureError(SkinError):
     """A figure or snapshot that cannot be drawn from what is there."""
 

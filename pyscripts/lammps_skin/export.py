@@ -15,6 +15,7 @@ from lammps_skin.analysis.geometry import minimum_image
 from lammps_skin.build import load_built
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.output import completed
 from lammps_skin.scene import Scene
 from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.dump import Dump, write_dump
@@ -79,7 +80,8 @@ def export_vtk(run: str | Path, output: Path) -> list[Path]:
             surfaces = {"membrane": _membrane(frame, triangles), "cells": _cells(frame, scene)}
             for name, surface in surfaces.items():
                 file = f"{name}.{frame.step:010d}.vtp"
-                surface.save(output / file)
+                with completed(output / file) as place:
+                    surface.save(place)
                 series[name].append((frame.time, file))
         return [_write_series(output / f"{name}.pvd", files) for name, files in series.items()]
     except OSError as error:
@@ -120,7 +122,8 @@ def _write_series(path: Path, files: Iterable[tuple[float, str]]) -> Path:
     for time, file in files:
         xml.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=file)
     xml.indent(root)
-    xml.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
+    with completed(path) as place:
+        xml.ElementTree(root).write(place, encoding="utf-8", xml_declaration=True)
     return path
 
 
@@ -138,14 +141,11 @@ def export_dump(run: str | Path, output: Path) -> Path:
         The file.
     """
     frames, scene, _ = recorded(run)
-    part = output.with_name(output.name + ".part")
     if output.exists():
         raise SkinError(f"output {output}: is there already")
     try:
-        write_dump(part, frames, scene.kinds)
-        part.replace(output)
+        with completed(output) as place:
+            write_dump(place, frames, scene.kinds)
     except OSError as error:
         raise SkinError(f"output {output}: {reason(error)}") from None
-    finally:
-        part.unlink(missing_ok=True)
     return output

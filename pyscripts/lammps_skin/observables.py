@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from lammps_skin.analysis.coverage import count_by_kind
 from lammps_skin.analysis.lineage import Events, read_events
 from lammps_skin.analysis.state import State, StateAnalysis, scene_and_triangles
-from lammps_skin.errors import SkinError
+from lammps_skin.errors import MembraneError, SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.scene import Scene
 from lammps_skin.trajectory.universe import open_trajectory
@@ -72,9 +72,7 @@ class Observables(StateAnalysis):
             *count_by_kind(state.kinds).values(),
             *(happened or (np.nan, np.nan)),
             state.coverage,
-            z.mean(), (z - z[0]).std(), *state.skewness(),  # 0 of what is flat
-            len(state.papillae.height), *state.papilla_means(),
-            *state.tips(Kind.STEM), *state.tips(Kind.ND),
+            z.mean(), (z - z[0]).std(), *_relief(state),  # 0 of what is flat
             *state.order(Kind.STEM), *state.order(Kind.ND),
         )  # fmt: skip
 
@@ -82,6 +80,17 @@ class Observables(StateAnalysis):
         super()._conclude()
         rows = [tuple(map(float, row)) for row in self._rows]
         self.results.table = np.array(rows, [(name, float) for name in COLUMNS])
+
+
+def _relief(state: State) -> tuple[float, ...]:
+    """Columns from the skewness to the tips; NaN where the membrane is no sheet over the box."""
+    try:
+        return (
+            *state.skewness(), len(state.papillae.height), *state.papilla_means(),
+            *state.tips(Kind.STEM), *state.tips(Kind.ND),
+        )  # fmt: skip
+    except MembraneError:
+        return (np.nan,) * (COLUMNS.index(f"nd_{TIPS[-1]}") - COLUMNS.index("skewness") + 1)
 
 
 # ---- runs on disk

@@ -1,7 +1,7 @@
 """Every potential of the model, u(x) and u'(x), with x = distance / contact length.
 
-This is the only place where a formula of the model stands (the plugin's two styles, for
-bending, adhesion and binding, state theirs again in C++ and are tested against this module).
+This is the only place in Python where a formula of the model stands. The styles of the plugin
+state their formulas again in C++; tests compare them with this module.
 All functions take and return arrays of one shape and are in reduced units; a potential is
 multiplied by its stiffness K, and its force on a particle is ``-K u'(x) / contact length``
 along the line between the two. The letters are those of the paper.

@@ -49,6 +49,7 @@ def landscape() -> Landscape:
         membrane[:, 2] = height(membrane[:, 0], membrane[:, 1])
         others = np.array(particles, float).reshape(-1, 4)
         kinds = np.concatenate([np.full(len(membrane), Kind.MEMBRANE), others[:, 0].astype(int)])
-        return Moment(scene, 0.0, kinds, np.concatenate([membrane, others[:, 1:]]))
+        positions = np.concatenate([membrane, others[:, 1:]])
+        return Moment(scene, 0.0, kinds, positions, lattice.triangles(scene.membrane.lattice))
 
     return make

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from lammps_skin.analysis.geometry import Box, Floats, Ints, minimum_image
+from lammps_skin.errors import MembraneError
 
 EDGE_TOLERANCE = 1e-9  # in barycentric coordinates: nodes on an edge belong to both triangles
 
@@ -33,7 +34,7 @@ def height_field(positions: Floats, triangles: Ints, box: Box, spacing: float) -
 
     Raises
     ------
-    ValueError
+    MembraneError
         If the triangles leave some node uncovered.
     """
     sides = np.asarray(box, float)[:2]
@@ -49,16 +50,17 @@ def height_field(positions: Floats, triangles: Ints, box: Box, spacing: float) -
     projected = _cross(ab, ac)
     with np.errstate(divide="ignore", invalid="ignore"):
         u, v = _cross(to_node, ac) / projected, _cross(ab, to_node) / projected
-    inside = (u >= -EDGE_TOLERANCE) & (v >= -EDGE_TOLERANCE) & (u + v <= 1 + EDGE_TOLERANCE)
+        inside = (u >= -EDGE_TOLERANCE) & (v >= -EDGE_TOLERANCE) & (u + v <= 1 + EDGE_TOLERANCE)
 
     height = np.full(shape, -np.inf)
     i, j = node_x[inside] % shape[0], node_y[inside] % shape[1]
     z = (corner[2] + u * ab[2] + v * ac[2])[inside]
     np.maximum.at(height, (i, j), z)
     if not np.isfinite(height).all():
-        raise ValueError(
-            f"triangles: leave {np.isneginf(height).sum()} of {height.size} grid nodes uncovered; "
-            "they must close over the periodic box"
+        missing = np.isneginf(height).sum()
+        raise MembraneError(
+            f"membrane: has no height at {missing} of {height.size} places of the box; heights, "
+            "papillae and tips are those of a sheet that closes over the box"
         )
     return height
 

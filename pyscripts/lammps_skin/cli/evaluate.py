@@ -10,6 +10,7 @@ import typer
 from lammps_skin import evaluate as single_point
 from lammps_skin.cli.options import Parameters, Settings, changes_from
 from lammps_skin.errors import ConfigurationError
+from lammps_skin.output import completed
 from lammps_skin.parameters import DEFAULT
 
 
@@ -35,6 +36,7 @@ def evaluate(
         print(text, end="")
         return
     try:
-        output.write_text(text, encoding="utf-8")
+        with completed(output) as place:
+            place.write_text(text, encoding="utf-8")
     except OSError as error:
         raise ConfigurationError(f"output {output}: {error.strerror}") from None

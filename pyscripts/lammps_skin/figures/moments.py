@@ -10,12 +10,12 @@ from typing import TypeAlias
 import MDAnalysis
 import numpy as np
 
-from lammps_skin import lattice
 from lammps_skin.analysis.geometry import Floats, Ints
 from lammps_skin.build import load_built
 from lammps_skin.errors import FigureError
 from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
+from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.store import STORE, Store, trajectory_of
 
@@ -32,12 +32,15 @@ class Moment:
     time : float
     kinds : (n,) array of int
     positions : (n, 3) array
+    triangles : (t, 3) array of int
+        Of the membrane, as indices of its particles, counterclockwise seen from the cells.
     """
 
     scene: Scene
     time: float
     kinds: Ints
     positions: Floats
+    triangles: Ints
 
     def of(self, *kinds: Kind) -> Floats:
         """Positions (k, 3) of the particles of some kinds."""
@@ -52,11 +55,6 @@ class Moment:
     def membrane(self) -> Floats:
         """Positions (m, 3) of the membrane."""
         return self.of(Kind.MEMBRANE)
-
-    @property
-    def triangles(self) -> Ints:
-        """Triangles (2m, 3) of the membrane, counterclockwise seen from the cells."""
-        return lattice.triangles(self.scene.membrane.lattice)
 
 
 def read_moments(source: Source, times: Sequence[float | None]) -> list[Moment]:
@@ -80,6 +78,7 @@ def read_moments(source: Source, times: Sequence[float | None]) -> list[Moment]:
     else:
         path = trajectory_of(source) if Path(source).is_dir() else Path(source)
     scene, frames, written = _open(path)
+    corners = frames.triangles if isinstance(frames, Store) else connectivity(path.parent)[1]
     moments = []
     for time in times:
         nearest = len(written) - 1 if time is None else int(np.abs(written - time).argmin())
@@ -87,7 +86,9 @@ def read_moments(source: Source, times: Sequence[float | None]) -> list[Moment]:
         off = 0.0 if time is None else abs(frame.time - time)
         if not off <= scene.output.dump_interval / 2 + 1e-6:
             raise FigureError(f"time = {time:g}: the nearest frame of {path} is at {frame.time:g}")
-        moments.append(Moment(scene, frame.time, frame.kinds, frame.positions))
+        members = frame.ids[frame.kinds == Kind.MEMBRANE]
+        triangles = np.searchsorted(members, corners)
+        moments.append(Moment(scene, frame.time, frame.kinds, frame.positions, triangles))
     return moments
 
 

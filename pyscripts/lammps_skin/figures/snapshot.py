@@ -17,6 +17,7 @@ from lammps_skin.figures.plane import draw_heights, draw_section, highest_stem
 from lammps_skin.figures.scenery import view
 from lammps_skin.keys import near
 from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.output import completed
 
 SHOWN = {"stem": (Kind.STEM,), "ta": (Kind.TA, Kind.EXHAUSTED), "nd": (Kind.ND,)}
 DOTS_PER_INCH = 100
@@ -127,7 +128,8 @@ def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure."""
     path = check_output(path)
     try:
-        figure.savefig(path, dpi=DOTS_PER_INCH, facecolor="white")
+        with completed(path) as place:
+            figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white")
     except OSError as error:
         raise FigureError(f"output {path}: {error.strerror}") from None
     return path

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lammps_skin.errors import SkinError
+from lammps_skin.output import completed
 from lammps_skin.stability.bisection import Limit
 from lammps_skin.stability.methods import Method
 from lammps_skin.tradeoff.report import Text, csv_text, markdown_table, number
@@ -104,7 +105,8 @@ def write(rows: Sequence[Row], title: str, notes: Sequence[str], folder: Path) -
     }
     try:
         for path, content in contents.items():
-            path.write_text(content, "utf-8")
+            with completed(path) as place:
+                place.write_text(content, "utf-8")
     except OSError as error:
-        raise SkinError(f"table {error.filename}: {error.strerror}") from None
+        raise SkinError(f"table {path}: {error.strerror}") from None
     return list(contents)

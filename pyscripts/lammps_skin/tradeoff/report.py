@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from lammps_skin.errors import SkinError
+from lammps_skin.output import completed
 from lammps_skin.tradeoff.bias import Bias, root_mean_square
 from lammps_skin.tradeoff.errors import Distance, Order
 from lammps_skin.tradeoff.grid import Variant
@@ -129,7 +130,8 @@ class Report:
             for file, content in contents.items():
                 if content:
                     paths.append(folder / file)
-                    paths[-1].write_text(content, "utf-8")
+                    with completed(paths[-1]) as place:
+                        place.write_text(content, "utf-8")
         except OSError as error:
             raise SkinError(f"table {paths[-1]}: {error.strerror}") from None
         return paths

@@ -1,0 +1,60 @@
+"""The pages of the documentation, and how tests read them."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "pyscripts" / "lammps_skin"
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+BY_NAME = [path.name for path in PAGES]
+
+
+@cache
+def text(name: str) -> str:
+    """Text of a page, or of a file by its path in the tree."""
+    path = ROOT / name if "/" in name or name == "README.md" else ROOT / "docs" / name
+    return path.read_text("utf-8")
+
+
+def section(page: str, title: str) -> str:
+    """What stands below a heading, up to the next one that is not deeper."""
+    found = re.search(rf"^(#+) {re.escape(title)}\n", text(page), re.MULTILINE)
+    assert found, f"{page} has no heading {title!r}"
+    rest = text(page)[found.end() :]
+    return re.split(rf"^#{{1,{len(found[1])}}} ", rest, maxsplit=1, flags=re.MULTILINE)[0]
+
+
+def rows(markdown: str) -> list[list[str]]:
+    """Cells of all table rows, headings left out."""
+    lines = markdown.splitlines()
+    heads = {n for n, line in enumerate(lines[1:]) if re.fullmatch(r"\|( --- \|)+", line)}
+    return [
+        [cell.strip() for cell in line.strip("|").split(" | ")]
+        for n, line in enumerate(lines)
+        if line.startswith("|") and n not in heads and n - 1 not in heads
+    ]
+
+
+def codes(markdown: str) -> list[str]:
+    """What stands between backticks, fences left out."""
+    return re.findall(r"`([^`\n]+)`", re.sub(r"```.*?```", "", markdown, flags=re.DOTALL))
+
+
+def fences(name: str, language: str = "") -> list[str]:
+    """Fenced blocks of a page in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", text(name), re.MULTILINE | re.DOTALL)
+
+
+def commands(start: str) -> Iterator[tuple[str, list[str]]]:
+    """Fenced lines of all pages that begin with a command: page, words."""
+    for name in BY_NAME:
+        for block in re.findall(r"^```\w*\n(.*?)^```$", text(name), re.MULTILINE | re.DOTALL):
+            for line in block.splitlines():
+                words = shlex.split(line, comments=True)
+                if start in words[:4]:
+                    yield name, words[words.index(start) + 1 :]
