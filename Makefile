@@ -12,8 +12,8 @@ SOURCES := pyproject.toml CMakeLists.txt $(wildcard lammps_inputs/*.in) \
 .PHONY: help demo test science lint tidy sanitize clean
 
 help:
-	@echo "make demo      run the scene 'demo': division, crowding and removal of cells"
-	@echo "make test      ruff, mypy and all tests but the long science runs"
+	@echo "make demo      simulate and draw a small patch of skin: division, crowding, removal"
+	@echo "make test      all tests but the long science runs"
 	@echo "make science   the long science runs"
 	@echo "make lint      ruff and mypy"
 	@echo "make tidy      clang-tidy and all warnings of the compiler on the plugin"
@@ -23,8 +23,9 @@ help:
 
 demo: $(INSTALLED)
 	$(BIN)/skin run demo -o runs/demo --force
+	$(BIN)/skin snapshot runs/demo --view all -o runs/demo/demo.png
 
-test: lint
+test: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --maxprocesses 4
 
 science: $(INSTALLED)

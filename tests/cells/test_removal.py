@@ -33,8 +33,7 @@ from tests.cells.conftest import (
 # ---- who leaves
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("lam", [1.2, 1.4])
+@pytest.mark.parametrize(("lam", "ranks"), [(1.2, 1), (1.4, 1), (1.4, 2)])
 def test_ta_cells_beyond_the_threshold_leave(lam: float, ranks: int, tmp_path: Path) -> None:
     """Cells of all kinds a little nearer and a little further than the threshold."""
     scene = membrane_scene(
@@ -118,18 +117,23 @@ def pair_of(scene: Scene, kinds: tuple[Kind, Kind], heights: tuple[float, float]
 FAR, NEAR = 1.3 * CONTACT, 1.05 * CONTACT
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
 @pytest.mark.parametrize(
-    ("kinds", "heights"),
+    ("kinds", "heights", "ranks"),
     [
-        ((Kind.TA, Kind.TA), (FAR, NEAR)),
-        ((Kind.TA, Kind.TA), (NEAR, FAR)),
-        ((Kind.TA, Kind.TA), (FAR, FAR)),
-        ((Kind.STEM, Kind.TA), (NEAR, FAR)),
-        ((Kind.EXHAUSTED, Kind.EXHAUSTED), (NEAR, FAR)),
+        ((Kind.TA, Kind.TA), (FAR, NEAR), 1),
+        ((Kind.TA, Kind.TA), (FAR, NEAR), 2),
+        ((Kind.TA, Kind.TA), (NEAR, FAR), 1),
+        ((Kind.TA, Kind.TA), (FAR, FAR), 1),
+        ((Kind.TA, Kind.TA), (FAR, FAR), 2),
+        ((Kind.STEM, Kind.TA), (NEAR, FAR), 1),
+        ((Kind.STEM, Kind.TA), (NEAR, FAR), 2),
+        ((Kind.EXHAUSTED, Kind.EXHAUSTED), (NEAR, FAR), 1),
     ],
-    ids=["mother", "daughter", "both", "daughter-of-stem", "exhausted"],
-)
+    ids=[
+        "mother", "mother-2", "daughter", "both", "both-2", "daughter-of-stem",
+        "daughter-of-stem-2", "exhausted",
+    ],
+)  # fmt: skip
 def test_death_of_one_ends_the_pair(
     kinds: tuple[Kind, Kind], heights: tuple[float, float], ranks: int, tmp_path: Path
 ) -> None:

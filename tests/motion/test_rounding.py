@@ -45,7 +45,9 @@ def test_positions_are_on_the_grid() -> None:
     assert np.abs(between / grid - np.round(between / grid)).max() > 0.1
 
 
-@pytest.mark.parametrize("level", ["reference", "balanced", "fast"])
+@pytest.mark.parametrize(
+    "level", ["balanced", *(pytest.param(x, marks=pytest.mark.slow) for x in ("reference", "fast"))]
+)
 @pytest.mark.parametrize("how", [{"ranks": 2}, {"threads": 2}], ids=["ranks", "threads"])
 def test_rounded_positions_are_the_same_to_the_last_bit(level: str, how: dict[str, int]) -> None:
     same, others = (

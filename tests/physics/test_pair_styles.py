@@ -26,7 +26,8 @@ PAIRS = (
 
 
 @pytest.mark.parametrize(
-    ("name", "shape", "ranks"), [*product(SCENES, SHAPES, (1,)), *product((FULL,), SHAPES, (2, 4))]
+    ("name", "shape", "ranks"),
+    [*product(SCENES, SHAPES, (1,)), *((FULL, *case) for case in zip(SHAPES, (2, 4), strict=True))],
 )
 def test_scene(name: str, shape: str, ranks: int) -> None:
     """Energies by term and forces on every particle of every kind of scene."""
@@ -146,7 +147,7 @@ def numbers(folder: Path) -> tuple[Floats, Floats]:
     return np.array([row.split() for row in rows], float), np.array(particles, float)
 
 
-@pytest.mark.parametrize("ranks", [1, 2, 4])
+@pytest.mark.parametrize("ranks", [1, 2, pytest.param(4, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("pairs", SETS.values(), ids=SETS)
 def test_same_as_stock(pairs: dict[tuple[int, int], Any], ranks: int, tmp_path: Path) -> None:
     """Energies, forces, pressures and stresses of lj/cut, while particles move through a box."""
