@@ -4,6 +4,7 @@
 #include "bond_skin_stretch.h"
 
 #include "skin_quad.h"
+#include "skin_remedy.h"
 #include "skin_vector.h"
 
 #include "atom.h"
@@ -19,11 +20,12 @@
 
 using namespace LAMMPS_NS;
 
+static const char *const NAMES[] = {"K", "contact length", "a2", "d2", "scale"};
+
 /* ---------------------------------------------------------------------- */
 
 BondSkinStretch::BondSkinStretch(LAMMPS *lmp) :
-    Bond(lmp), coeffs(nullptr), links(lmp), built_call(-1), built_step(-1), sparing(false),
-    broken(false)
+    Bond(lmp), coeffs(nullptr), links(lmp), sparing(false), broken(false)
 {
   writedata = 1;
 }
@@ -149,19 +151,15 @@ void BondSkinStretch::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
 
-  if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) {
-    links.build();
-    built_call = neighbor->ncalls;
-    built_step = neighbor->lastcall;
-  }
-  if (neighbor->nbondlist == 0) return;
+  if (build.is_new(neighbor)) links.build();
+  if (links.all.empty()) return;
 
   double beyond = 0.0;
   for (int type = 1; type <= atom->nbondtypes; type++)
-    beyond += pull_group(links.of_type[type], atom->x[0], coeffs[type], atom->f[0]);
+    beyond += pull_group(links.of_type[type], atom->x[0], of_type(type).data(), atom->f[0]);
   if (beyond > 0.0 && sparing) broken = true;
   if (beyond > 0.0 && !sparing)
-    for (int n = 0; n < neighbor->nbondlist; n++) overstretched(n);
+    for (int n = 0; n < (int) links.all.size(); n++) overstretched(n);
   if (evflag) tally();
 }
 
@@ -169,14 +167,12 @@ void BondSkinStretch::compute(int eflag, int vflag)
 
 void BondSkinStretch::tally()
 {
-  for (int n = 0; n < neighbor->nbondlist; n++) {
-    const int i = neighbor->bondlist[n][0], j = neighbor->bondlist[n][1];
-    const int type = neighbor->bondlist[n][2];
+  for (const auto &[i, j, type] : links.all) {
     const double *xi = atom->x[i], *xj = atom->x[j];
     const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
     const double rsq = dx * dx + dy * dy + dz * dz;
     double beyond = 0.0;
-    const double fbond = slope_of<double>(rsq, coeffs[type], beyond);
+    const double fbond = slope_of<double>(rsq, of_type(type).data(), beyond);
     const double e = eflag_either ? energy_of(type, sqrt(rsq)) : 0.0;
     ev_tally(i, j, atom->nlocal, 1, e, fbond, dx, dy, dz);
   }
@@ -184,9 +180,18 @@ void BondSkinStretch::tally()
 
 /* ---------------------------------------------------------------------- */
 
+BondSkinStretch::Coefficients BondSkinStretch::of_type(int type) const
+{
+  Coefficients c;
+  for (int k = 0; k < NCOEFFS; k++) c[k] = coeffs[k][type];
+  return c;
+}
+
+/* ---------------------------------------------------------------------- */
+
 double BondSkinStretch::energy_of(int type, double r) const
 {
-  const double *c = coeffs[type];
+  const Coefficients c = of_type(type);
   const double a2 = c[2], d2 = c[3], s = r / c[1];
 
   double spring = 0.0, argument = 1.0;
@@ -209,9 +214,9 @@ double BondSkinStretch::energy_of(int type, double r) const
 
 void BondSkinStretch::add_stiffness(double *stiffness)
 {
-  for (int n = 0; n < neighbor->nbondlist; n++) {
-    const int i = neighbor->bondlist[n][0], j = neighbor->bondlist[n][1];
-    const double *c = coeffs[neighbor->bondlist[n][2]], *xi = atom->x[i], *xj = atom->x[j];
+  for (const auto &[i, j, type] : links.all) {
+    const Coefficients c = of_type(type);
+    const double *const xi = atom->x[i], *const xj = atom->x[j];
     const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
     const double d2 = c[3], s = sqrt(dx * dx + dy * dy + dz * dz) / c[1];
 
@@ -241,37 +246,41 @@ void BondSkinStretch::spare_links(bool spare)
 
 bool BondSkinStretch::any_broken() const
 {
-  for (int n = 0; n < neighbor->nbondlist; n++)
-    if (is_broken(n)) return true;
+  for (int n = 0; n < (int) links.all.size(); n++) {
+    const double r = length(n);
+    if (!(r > 0.0 && r < singular(n))) return true;
+  }
   return false;
 }
 
 /* ---------------------------------------------------------------------- */
 
-bool BondSkinStretch::is_broken(int n) const
+double BondSkinStretch::length(int n) const
 {
-  const int *const bond = neighbor->bondlist[n];
-  const double *const c = coeffs[bond[2]];
-  const double *const xi = atom->x[bond[0]], *const xj = atom->x[bond[1]];
-  const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
-  const double rsq = dx * dx + dy * dy + dz * dz, singular = c[1] * (1.0 + c[3]);
-  return !(rsq > 0.0 && rsq < singular * singular);
+  const double *const x = atom->x[links.all[n][0]], *const y = atom->x[links.all[n][1]];
+  return std::sqrt((x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) +
+                   (x[2] - y[2]) * (x[2] - y[2]));
+}
+
+/* ---------------------------------------------------------------------- */
+
+double BondSkinStretch::singular(int n) const
+{
+  const Coefficients c = of_type(links.all[n][2]);
+  return c[1] * (1.0 + c[3]);
 }
 
 /* ---------------------------------------------------------------------- */
 
 void BondSkinStretch::overstretched(int n) const
 {
-  if (!is_broken(n)) return;
-  const int i = neighbor->bondlist[n][0], j = neighbor->bondlist[n][1];
-  const double *c = coeffs[neighbor->bondlist[n][2]], *xi = atom->x[i], *xj = atom->x[j];
-  const double r = sqrt((xi[0] - xj[0]) * (xi[0] - xj[0]) + (xi[1] - xj[1]) * (xi[1] - xj[1]) +
-                        (xi[2] - xj[2]) * (xi[2] - xj[2]));
-  const double singular = c[1] * (1.0 + c[3]);
+  const double r = length(n), most = singular(n);
+  if (r > 0.0 && r < most) return;
   error->one(FLERR,
              "Bond skin/stretch: the link of atoms {} and {} has length {} on step {}, its "
-             "singular length is {}; try a smaller timestep than {}",
-             atom->tag[i], atom->tag[j], r, update->ntimestep, singular, update->dt);
+             "singular length is {}{}",
+             atom->tag[links.all[n][0]], atom->tag[links.all[n][1]], r, update->ntimestep, most,
+             skin_remedy(update, false));
 }
 
 /* ---------------------------------------------------------------------- */
@@ -281,9 +290,12 @@ void BondSkinStretch::allocate()
   allocated = 1;
   const int np1 = atom->nbondtypes + 1;
 
-  memory->create(coeffs, np1, NCOEFFS, "bond:coeffs");
+  memory->create(coeffs, NCOEFFS, np1, "bond:coeffs");
   memory->create(setflag, np1, "bond:setflag");
-  for (int i = 1; i < np1; i++) setflag[i] = 0;
+  for (int i = 0; i < np1; i++) {
+    setflag[i] = 0;
+    for (int k = 0; k < NCOEFFS; k++) coeffs[k][i] = 0.0;
+  }
 }
 
 /* ----------------------------------------------------------------------
@@ -292,8 +304,6 @@ void BondSkinStretch::allocate()
 
 void BondSkinStretch::coeff(int narg, char **arg)
 {
-  static const char *const NAMES[] = {"K", "contact length", "a2", "d2", "scale"};
-
   if (narg != NCOEFFS + 1)
     error->all(FLERR, "Bond style skin/stretch needs the coefficients K, contact length, a2, d2 "
                "and scale, but got {}", narg - 1);
@@ -305,17 +315,26 @@ void BondSkinStretch::coeff(int narg, char **arg)
   double values[NCOEFFS];
   for (int k = 0; k < NCOEFFS; k++) {
     values[k] = utils::numeric(FLERR, arg[k + 1], false, lmp);
-    const bool positive = (k == 1 || k == 3);
-    if (!std::isfinite(values[k]) || values[k] < 0.0 || (positive && values[k] == 0.0) ||
-        (k == 3 && values[k] >= 1.0))
-      error->all(FLERR, "Bond style skin/stretch: {} = {} must be a number {}", NAMES[k],
-                 arg[k + 1], k == 3 ? "between 0 and 1" : positive ? "> 0" : ">= 0");
+    check(k, values[k], arg[k + 1]);
   }
 
   for (int i = ilo; i <= ihi; i++) {
-    std::copy(values, values + NCOEFFS, coeffs[i]);
+    for (int k = 0; k < NCOEFFS; k++) coeffs[k][i] = values[k];
     setflag[i] = 1;
   }
+}
+
+/* ----------------------------------------------------------------------
+   whether a coefficient may have this value, which was given as this text
+------------------------------------------------------------------------- */
+
+void BondSkinStretch::check(int k, double value, const std::string &text) const
+{
+  const bool positive = (k == 1 || k == 3);
+  if (!std::isfinite(value) || value < 0.0 || (positive && value == 0.0) ||
+      (k == 3 && value >= 1.0))
+    error->all(FLERR, "Bond style skin/stretch: {} = {} must be a number {}", NAMES[k], text,
+               k == 3 ? "between 0 and 1" : positive ? "> 0" : ">= 0");
 }
 
 /* ---------------------------------------------------------------------- */
@@ -323,24 +342,25 @@ void BondSkinStretch::coeff(int narg, char **arg)
 void BondSkinStretch::init_style()
 {
   if (!force->newton_bond) error->all(FLERR, "Bond style skin/stretch needs newton on for bonds");
-  built_call = built_step = -1;
+  build.forget();
 }
 
 /* ---------------------------------------------------------------------- */
 
 double BondSkinStretch::equilibrium_distance(int i)
 {
-  return coeffs[i][1] * coeffs[i][3];
+  return coeffs[1][i] * coeffs[3][i];
 }
 
 /* ---------------------------------------------------------------------- */
 
 void BondSkinStretch::write_restart(FILE *fp)
 {
-  const size_t n = (size_t) NCOEFFS * atom->nbondtypes;
-  if (fwrite(coeffs[1], sizeof(double), n, fp) != n)
-    error->one(FLERR, "Bond skin/stretch: cannot write to the restart file: {}",
-               utils::getsyserror());
+  const size_t n = atom->nbondtypes;
+  for (int k = 0; k < NCOEFFS; k++)
+    if (fwrite(&coeffs[k][1], sizeof(double), n, fp) != n)
+      error->one(FLERR, "Bond skin/stretch: cannot write to the restart file: {}",
+                 utils::getsyserror());
 }
 
 /* ---------------------------------------------------------------------- */
@@ -349,10 +369,12 @@ void BondSkinStretch::read_restart(FILE *fp)
 {
   allocate();
 
-  const int n = NCOEFFS * atom->nbondtypes;
-  if (comm->me == 0)
-    utils::sfread(FLERR, coeffs[1], sizeof(double), n, fp, nullptr, error);
-  MPI_Bcast(coeffs[1], n, MPI_DOUBLE, 0, world);
+  const int n = atom->nbondtypes;
+  for (int k = 0; k < NCOEFFS; k++) {
+    if (comm->me == 0)
+      utils::sfread(FLERR, &coeffs[k][1], sizeof(double), n, fp, nullptr, error);
+    MPI_Bcast(&coeffs[k][1], n, MPI_DOUBLE, 0, world);
+  }
 
   for (int i = 1; i <= atom->nbondtypes; i++) setflag[i] = 1;
 }
@@ -363,7 +385,7 @@ void BondSkinStretch::write_data(FILE *fp)
 {
   for (int i = 1; i <= atom->nbondtypes; i++) {
     utils::print(fp, "{}", i);
-    for (int k = 0; k < NCOEFFS; k++) utils::print(fp, " {:.17g}", coeffs[i][k]);
+    for (int k = 0; k < NCOEFFS; k++) utils::print(fp, " {:.17g}", coeffs[k][i]);
     utils::print(fp, "\n");
   }
 }
@@ -373,8 +395,33 @@ void BondSkinStretch::write_data(FILE *fp)
 double BondSkinStretch::single(int type, double rsq, int /*i*/, int /*j*/, double &fforce)
 {
   double beyond = 0.0;
-  fforce = slope_of<double>(rsq, coeffs[type], beyond);
+  fforce = slope_of<double>(rsq, of_type(type).data(), beyond);
   return energy_of(type, sqrt(rsq));
+}
+
+/* ----------------------------------------------------------------------
+   a coefficient by the first word of its name, for commands that change it
+------------------------------------------------------------------------- */
+
+void *BondSkinStretch::extract(const char *which, int &dim)
+{
+  dim = 1;
+  for (int k = 0; k < NCOEFFS; k++) {
+    const std::string name = NAMES[k];
+    if (name.substr(0, name.find(' ')) == which) return coeffs[k];
+  }
+  return nullptr;
+}
+
+/* ----------------------------------------------------------------------
+   after such a change; in a hybrid style other types have no coefficients here
+------------------------------------------------------------------------- */
+
+void BondSkinStretch::reinit()
+{
+  for (int i = 1; i <= atom->nbondtypes; i++)
+    for (int k = 0; k < NCOEFFS; k++)
+      if (setflag[i]) check(k, coeffs[k][i], fmt::format("{}", coeffs[k][i]));
 }
 
 /* ---------------------------------------------------------------------- */

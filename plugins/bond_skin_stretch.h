@@ -3,7 +3,10 @@
 
 #include "bond.h"
 
+#include "skin_build.h"
 #include "skin_links.h"
+
+#include <array>
 
 namespace LAMMPS_NS {
 
@@ -19,6 +22,8 @@ class BondSkinStretch : public Bond {
   void read_restart(FILE *) override;
   void write_data(FILE *) override;
   double single(int, double, int, int, double &) override;
+  void *extract(const char *, int &) override;
+  void reinit() override;
   double memory_usage() override;
   void add_stiffness(double *);
 
@@ -32,15 +37,22 @@ class BondSkinStretch : public Bond {
  private:
   static constexpr int NCOEFFS = 5;
 
-  double **coeffs;               // K, contact length, a2, d2, scale of the spring-like part
+  typedef std::array<double, NCOEFFS> Coefficients;
+
+  // K, contact length, a2, d2, scale of the spring-like part: each of them for all types
+
+  double **coeffs;
   SkinLinks links;
-  bigint built_call, built_step; // the neighbor build that they belong to
+  SkinBuild build;    // that they belong to
   bool sparing, broken;
 
   void allocate();
   void tally();
+  void check(int, double, const std::string &) const;
+  Coefficients of_type(int) const;
   double energy_of(int, double) const;
-  bool is_broken(int) const;
+  double length(int) const;
+  double singular(int) const;
   void overstretched(int) const;
 };
 

@@ -4,6 +4,7 @@
 #include "dihedral_skin_bend.h"
 
 #include "skin_bend_forces.h"
+#include "skin_remedy.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -27,8 +28,7 @@ static constexpr double DEGREES = 180.0 / 3.14159265358979323846;
 /* ---------------------------------------------------------------------- */
 
 DihedralSkinBend::DihedralSkinBend(LAMMPS *lmp) :
-    Dihedral(lmp), stiffness(nullptr), triangles(lmp), built_call(-1), built_step(-1),
-    ninverted(0.0)
+    Dihedral(lmp), stiffness(nullptr), triangles(lmp), ninverted(0.0)
 {
   writedata = 1;
   centroidstressflag = CENTROID_NOTAVAIL;
@@ -50,11 +50,9 @@ void DihedralSkinBend::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
 
-  if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) {
+  if (build.is_new(neighbor)) {
     triangles.build();
     normal.resize(4 * triangles.all.size());
-    built_call = neighbor->ncalls;
-    built_step = neighbor->lastcall;
   }
   ninverted = 0.0;
   const int n = (int) triangles.all.size();
@@ -168,17 +166,17 @@ void DihedralSkinBend::tally_virial()
 
 /* ---------------------------------------------------------------------- */
 
-void DihedralSkinBend::inverted(int t, double duration) const
+void DihedralSkinBend::inverted(int t, double duration, bool at_start) const
 {
   const int *corner = triangles.all[t].corner;
   const tagint *tag = atom->tag;
   error->one(FLERR,
              "Dihedral skin/bend: the triangle of atoms {} {} {} is inverted on step {}: its "
              "folds against the three around it are {} degrees and more, above {}, and there have "
-             "been inverted ones for {} time units; try a smaller timestep than {}",
+             "been inverted ones for {} time units{}",
              tag[corner[0]], tag[corner[1]], tag[corner[2]], update->ntimestep,
              std::acos(least_fold(t)) * DEGREES, std::acos(INVERTED) * DEGREES, duration,
-             update->dt);
+             skin_remedy(update, at_start));
 }
 
 /* ---------------------------------------------------------------------- */
@@ -189,9 +187,9 @@ void DihedralSkinBend::degenerate(int t)
   const tagint *tag = atom->tag;
   error->one(FLERR,
              "Dihedral skin/bend: the triangle of atoms {} {} {} has no normal on step {}: its "
-             "area is below {}; try a smaller timestep than {}",
+             "area is below {}{}",
              tag[corner[0]], tag[corner[1]], tag[corner[2]], update->ntimestep,
-             0.5 * SKIN_SMALLEST_NORMAL, update->dt);
+             0.5 * SKIN_SMALLEST_NORMAL, skin_remedy(update, false));
 }
 
 /* ---------------------------------------------------------------------- */
@@ -203,7 +201,10 @@ void DihedralSkinBend::allocate()
 
   memory->create(stiffness, np1, "dihedral:stiffness");
   memory->create(setflag, np1, "dihedral:setflag");
-  for (int i = 1; i < np1; i++) setflag[i] = 0;
+  for (int i = 0; i < np1; i++) {
+    setflag[i] = 0;
+    stiffness[i] = 0.0;
+  }
 }
 
 /* ----------------------------------------------------------------------
@@ -220,8 +221,7 @@ void DihedralSkinBend::coeff(int narg, char **arg)
   utils::bounds_typelabel(FLERR, arg[0], 1, atom->ndihedraltypes, ilo, ihi, lmp, Atom::DIHEDRAL);
 
   const double k = utils::numeric(FLERR, arg[1], false, lmp);
-  if (!(k >= 0.0) || std::isinf(k))
-    error->all(FLERR, "Dihedral style skin/bend: K = {} must be a number >= 0", arg[1]);
+  check(k, arg[1]);
 
   for (int i = ilo; i <= ihi; i++) {
     stiffness[i] = k;
@@ -231,10 +231,31 @@ void DihedralSkinBend::coeff(int narg, char **arg)
 
 /* ---------------------------------------------------------------------- */
 
+void DihedralSkinBend::check(double k, const std::string &text) const
+{
+  if (!(k >= 0.0) || std::isinf(k))
+    error->all(FLERR, "Dihedral style skin/bend: K = {} must be a number >= 0", text);
+}
+
+/* ----------------------------------------------------------------------
+   also after a command has changed coefficients; in a hybrid style, which does not call it at the
+   begin of a run, other types have none here
+------------------------------------------------------------------------- */
+
+void DihedralSkinBend::init()
+{
+  if (force->dihedral == this) Dihedral::init();
+  else init_style();
+}
+
+/* ---------------------------------------------------------------------- */
+
 void DihedralSkinBend::init_style()
 {
   if (!force->newton_bond) error->all(FLERR, "Dihedral style skin/bend needs newton on for bonds");
-  built_call = built_step = -1;
+  for (int i = 1; i <= atom->ndihedraltypes; i++)
+    if (setflag[i]) check(stiffness[i], fmt::format("{}", stiffness[i]));
+  build.forget();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -266,6 +287,16 @@ void DihedralSkinBend::write_data(FILE *fp)
 {
   for (int i = 1; i <= atom->ndihedraltypes; i++)
     utils::print(fp, "{} {:.17g}\n", i, stiffness[i]);
+}
+
+/* ----------------------------------------------------------------------
+   for commands that change coefficients
+------------------------------------------------------------------------- */
+
+void *DihedralSkinBend::extract(const char *which, int &dim)
+{
+  dim = 1;
+  return std::string(which) == "K" ? stiffness : nullptr;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -3,8 +3,10 @@
 
 #include "dihedral.h"
 
+#include "skin_build.h"
 #include "skin_triangles.h"
 
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -15,20 +17,22 @@ class DihedralSkinBend : public Dihedral {
   ~DihedralSkinBend() override;
   void compute(int, int) override;
   void coeff(int, char **) override;
+  void init() override;
   void init_style() override;
   void write_restart(FILE *) override;
   void read_restart(FILE *) override;
   void write_data(FILE *) override;
+  void *extract(const char *, int &) override;
   double memory_usage() override;
   void add_stiffness(double *) const;
   int find_inverted() const;
-  void inverted(int, double) const;
+  void inverted(int, double, bool at_start) const;
 
  private:
   double *stiffness;
 
   SkinTriangles triangles;
-  bigint built_call, built_step;    // the neighbor build the triangles belong to
+  SkinBuild build;                  // that the triangles belong to
   std::vector<double> normal;       // of each triangle: unit normal, 1 / length of the other
   double ninverted;                 // of the last compute(), or a little more
 
@@ -37,6 +41,7 @@ class DihedralSkinBend : public Dihedral {
   void tally_energy();
   void tally_virial();
   void degenerate(int);
+  void check(double, const std::string &) const;
   double least_fold(int) const;
 };
 

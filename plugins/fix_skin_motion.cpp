@@ -1,7 +1,7 @@
 // Overdamped motion dr/dt = m F by forward Euler or a Runge-Kutta-Legendre method; the mobility m
 // is 1, or less where the membrane is too stiff for the timestep. A step in which some particle
-// would move too far is divided into shorter ones. Forces and mobilities stand in
-// fix_skin_motion_forces.cpp.
+// would move too far is divided into shorter ones. Its arguments stand in
+// fix_skin_motion_settings.cpp, forces and mobilities in fix_skin_motion_forces.cpp.
 
 #include "fix_skin_motion.h"
 
@@ -29,12 +29,6 @@ using namespace FixConst;
 
 static constexpr double SHORTEST = 1.0e-6;
 
-static constexpr int MOST_STAGES = 99;
-
-// positions cannot be rounded to less
-
-static constexpr double FINEST = 1.0e-12;
-
 // time for which there may be inverted triangles
 
 static constexpr double LONGEST_INVERTED = 2.0;
@@ -44,8 +38,9 @@ static constexpr double LONGEST_INVERTED = 2.0;
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), shortest_link(0.0),
     longest_link(INFINITY), rounding(0.0), round_every(1), cells(nullptr), stretch(nullptr),
-    bend(nullptr), built_call(-1), built_step(-1), steps(0), divided(0), parts(0), evaluations(0),
-    limited(0), slowest(1.0), beyond(0), offender(-1), inverted_time(0.0)
+    bend(nullptr), pair_unproven(false), steps(0), divided(0), parts(0), evaluations(0), limited(0),
+    slowest(1.0), beyond(0), beyond_before(0), within_steps(0), furthest_listed(0.0), offender(-1),
+    inverted_time(0.0), inverted_at_start(false)
 {
   parse(narg, arg);
 
@@ -55,60 +50,6 @@ FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
   extvector = 0;
   global_freq = 1;
   comm_reverse = 1;
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FixSkinMotion::parse(int narg, char **arg)
-{
-  if (narg < 4) error->all(FLERR, "Fix skin/motion needs a method: euler, rkl1 or rkl2");
-  const std::string name = arg[3];
-  if (name != "euler" && name != "rkl1" && name != "rkl2")
-    error->all(FLERR, "Fix skin/motion method = {}: must be euler, rkl1 or rkl2", name);
-
-  int nstages = (name == "euler") ? 1 : 7;
-  auto positive = [&](const std::string &key, const char *text) {
-    const double value = utils::numeric(FLERR, text, false, lmp);
-    if (!(value > 0.0))
-      error->all(FLERR, "Fix skin/motion {} = {}: must be a number > 0", key, text);
-    return value;
-  };
-
-  for (int n = 4; n < narg;) {
-    const std::string key = arg[n];
-    if (key != "stages" && key != "stiffness" && key != "move" && key != "link" && key != "round")
-      error->all(FLERR, "Unknown fix skin/motion keyword: {}", key);
-    const int nvalues = (key == "round" || key == "link") ? 2 : 1;
-    if (n + nvalues >= narg)
-      error->all(FLERR, "Fix skin/motion keyword {} needs {} value(s)", key, nvalues);
-    char **values = &arg[n + 1];
-    n += 1 + nvalues;
-    if (key == "stages") {
-      nstages = utils::inumeric(FLERR, values[0], false, lmp);
-      const int least = (name == "euler") ? 1 : (name == "rkl1") ? 2 : 3;
-      const int most = (name == "euler") ? 1 : MOST_STAGES;
-      if (nstages < least || nstages > most)
-        error->all(FLERR, "Fix skin/motion {} stages = {}: must be {} to {}", name, values[0],
-                   least, most);
-    } else if (key == "link") {
-      shortest_link = positive(key, values[0]);
-      longest_link = positive(key, values[1]);
-      if (longest_link <= shortest_link)
-        error->all(FLERR, "Fix skin/motion link {} {}: the second must be larger than the first",
-                   values[0], values[1]);
-    } else if (key == "round") {
-      rounding = positive(key, values[0]);
-      if (rounding < FINEST)
-        error->all(FLERR, "Fix skin/motion round = {}: must be at least {}", values[0], FINEST);
-      round_every = utils::bnumeric(FLERR, values[1], false, lmp);
-      if (round_every < 1)
-        error->all(FLERR, "Fix skin/motion round {} {}: the number of steps must be > 0",
-                   values[0], values[1]);
-    } else {
-      (key == "move" ? largest_move : stiffness_limit) = positive(key, values[0]);
-    }
-  }
-  method = name == "rkl2" ? SkinStages::second_order(nstages) : SkinStages::first_order(nstages);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -126,10 +67,18 @@ void FixSkinMotion::init()
     error->all(FLERR, "Fix skin/motion computes pair, bond and dihedral forces alone: it works "
                "without angle, improper and kspace styles");
   if (!force->newton_bond) error->all(FLERR, "Fix skin/motion needs newton on for bonds");
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "Fix skin/motion does not work with run_style respa: use run_style verlet");
+  for (const Fix *other : modify->get_fix_by_style("^skin/motion$"))
+    if (other != this && (alone() || ((const FixSkinMotion *) other)->alone()))
+      error->all(FLERR,
+                 "Fix skin/motion {} cannot be used beside fix skin/motion {}: with rkl1, rkl2, "
+                 "move or stiffness it must be the only one, for a group of all that move",
+                 id, other->id);
 
   const bool limits = std::isfinite(stiffness_limit);
-  stretch = dynamic_cast<BondSkinStretch *>(force->bond);
-  bend = dynamic_cast<DihedralSkinBend *>(force->dihedral);
+  stretch = dynamic_cast<BondSkinStretch *>(force->bond_match("skin/stretch"));
+  bend = dynamic_cast<DihedralSkinBend *>(force->dihedral_match("skin/bend"));
   if (limits && !stretch && !bend)
     error->all(FLERR, "Fix skin/motion stiffness = {}: needs bond style skin/stretch or dihedral "
                "style skin/bend, which know their stiffness", stiffness_limit);
@@ -138,6 +87,24 @@ void FixSkinMotion::init()
   cells = nullptr;
   for (Fix *fix : modify->get_fix_by_style("^skin/cells$"))
     cells = dynamic_cast<FixSkinCells *>(fix);
+
+  build.forget();
+  beyond_before = beyond;
+  within_steps = 0;
+  furthest_listed = 0.0;
+  pair_unproven = several() && force->pair;
+  unproven.clear();
+  for (Fix *fix : modify->get_fix_list())
+    if (several() && (modify->get_fix_mask(fix) & POST_FORCE)) unproven.push_back(fix);
+}
+
+/* ----------------------------------------------------------------------
+   whether a step needs forces of all particles at places that this fix alone knows
+------------------------------------------------------------------------- */
+
+bool FixSkinMotion::alone() const
+{
+  return several() || std::isfinite(stiffness_limit);
 }
 
 /* ----------------------------------------------------------------------
@@ -167,6 +134,7 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
   int nparts = 0;
 
   note_lists();
+  if (pair_unproven || !unproven.empty()) check_repeatable();
   while (remaining > 0.0) {
     keep_start();
     find_mobility();
@@ -197,17 +165,27 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
 
 void FixSkinMotion::round_positions()
 {
-  double grid[3];
-  for (int d = 0; d < 3; d++)
-    grid[d] = domain->prd[d] / std::ceil(domain->prd[d] / rounding);
+  double points[3], grid[3];
+  for (int d = 0; d < 3; d++) {
+    points[d] = std::ceil(domain->prd[d] / rounding);
+    grid[d] = domain->prd[d] / points[d];
+  }
 
   for (int i = 0; i < atom->nlocal; i++) {
     const double *const f = atom->f[i];
     const bool moves = f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0;
     if (!(atom->mask[i] & groupbit) || !moves) continue;
-    for (int d = 0; d < 3; d++) {
-      const double lo = domain->boxlo[d];
-      atom->x[i][d] = lo + grid[d] * std::nearbyint((atom->x[i][d] - lo) / grid[d]);
+    double *const x = atom->x[i];
+    if (domain->triclinic) {
+      double fraction[3];
+      domain->x2lamda(x, fraction);
+      for (int d = 0; d < 3; d++) fraction[d] = std::nearbyint(fraction[d] * points[d]) / points[d];
+      domain->lamda2x(fraction, x);
+    } else {
+      for (int d = 0; d < 3; d++) {
+        const double lo = domain->boxlo[d];
+        x[d] = lo + grid[d] * std::nearbyint((x[d] - lo) / grid[d]);
+      }
     }
   }
 }
@@ -223,7 +201,8 @@ void FixSkinMotion::final_integrate()
   if (!bend) return;
   const int t = bend->find_inverted();
   inverted_time = t < 0 ? 0.0 : inverted_time + update->dt;
-  if (inverted_time > LONGEST_INVERTED) bend->inverted(t, inverted_time);
+  inverted_at_start = inverted_at_start && t >= 0;
+  if (inverted_time > LONGEST_INVERTED) bend->inverted(t, inverted_time, inverted_at_start);
 }
 
 /* ----------------------------------------------------------------------
@@ -248,8 +227,17 @@ double FixSkinMotion::euler_part(double longest)
   const Move move = furthest(fastest);
   if (move.length * longest <= largest_move) return longest;
   const double part = largest_move / move.length;
-  if (!(part > SHORTEST * update->dt)) unstable(move, part);
+  if (!(part > SHORTEST * update->dt)) unstable(move, part, unmoved(update->dt - longest));
   return part;
+}
+
+/* ----------------------------------------------------------------------
+   whether at this time in the step particles are still where the run began
+------------------------------------------------------------------------- */
+
+bool FixSkinMotion::unmoved(double since) const
+{
+  return update->ntimestep == update->firststep + 1 && since == 0.0;
 }
 
 /* ----------------------------------------------------------------------
@@ -268,7 +256,7 @@ bool FixSkinMotion::advance(double part, double since)
     const Move move = stage(method.stages[s], part);
     if ((may_divide && move.length > largest_move) || std::isinf(move.length)) {
       restore_start(since - update->dt);
-      if (!divisible) unstable(move, part);
+      if (!divisible) unstable(move, part, unmoved(since) && (may_divide || s == 0));
       return false;
     }
     if (s + 1 < nstages) {

@@ -3,8 +3,10 @@
 
 #include "fix.h"
 
+#include "skin_build.h"
 #include "skin_stages.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,9 +18,11 @@ class FixSkinMotion : public Fix {
   int setmask() override;
   void init() override;
   void setup_pre_force(int) override;
+  void setup(int) override;
   void initial_integrate(int) override;
   void pre_force(int) override;
   void final_integrate() override;
+  void post_run() override;
   int pack_reverse_comm(int, int, double *) override;
   void unpack_reverse_comm(int, int *, double *) override;
   double compute_vector(int) override;
@@ -45,7 +49,12 @@ class FixSkinMotion : public Fix {
   // positions at the neighbor build that the lists belong to
 
   std::vector<double> listed;
-  bigint built_call, built_step;
+  SkinBuild build;
+
+  // forces that are computed once more to see whether they are the same
+
+  std::vector<class Fix *> unproven;
+  bool pair_unproven;
 
   // what happened since the fix was defined
 
@@ -53,6 +62,9 @@ class FixSkinMotion : public Fix {
   bigint limited;            // particles with a lower mobility, summed over parts
   double slowest;            // lowest mobility of any
   bigint beyond;             // particles that the neighbor lists do not reach, summed over stages
+  bigint beyond_before;      // at the begin of this run
+  bigint within_steps;       // evaluations in this run but the last ones of steps
+  double furthest_listed;    // from where lists were built, in this run, squared
 
   struct Move {
     double length;
@@ -60,8 +72,17 @@ class FixSkinMotion : public Fix {
   };
   int offender;              // my particle that moved furthest, or -1
   double inverted_time;      // for how long I have had an inverted triangle
+  bool inverted_at_start;    // and it began before this run
+
+  struct Term {
+    std::string name;
+    std::function<void()> compute;
+  };
 
   void parse(int, char **);
+  bool alone() const;
+  bool several() const { return method.stages.size() > 1 || largest_move < INFINITY; }
+  bool unmoved(double) const;
   double euler_part(double);
   bool advance(double, double);
   bool ends_badly();
@@ -78,7 +99,12 @@ class FixSkinMotion : public Fix {
   void evaluate_forces(double);
   void check_links() const;
   void check_box() const;
-  void unstable(const Move &, double);
+  void unstable(const Move &, double, bool at_start);
+  Term pair_term() const;
+  Term fix_term(class Fix *) const;
+  std::vector<double> forces_of(const Term &) const;
+  void check_repeatable();
+  void check_repeatable(const Term &) const;
   std::string largest_term(int, int);
   std::string strongest_pair(int, int);
 };

@@ -77,6 +77,7 @@ void FixSkinMotion::unpack_reverse_comm(int n, int *list, double *buf)
 void FixSkinMotion::evaluate_forces(double offset)
 {
   evaluations++;
+  within_steps++;
   count_beyond();
   if (cells) cells->within_step(offset);
   comm->forward_comm();
@@ -85,7 +86,7 @@ void FixSkinMotion::evaluate_forces(double offset)
   if (n) std::fill(atom->f[0], atom->f[0] + 3 * (size_t) n, 0.0);
 
   if (modify->n_pre_force) modify->pre_force(0);
-  if (force->pair) force->pair->compute(0, 0);
+  if (force->pair && force->pair->compute_flag) force->pair->compute(0, 0);
   if (force->bond) force->bond->compute(0, 0);
   if (force->dihedral) force->dihedral->compute(0, 0);
   if (modify->n_pre_reverse) modify->pre_reverse(0, 0);
@@ -99,9 +100,7 @@ void FixSkinMotion::evaluate_forces(double offset)
 
 void FixSkinMotion::note_lists()
 {
-  if (built_call == neighbor->ncalls && built_step == neighbor->lastcall) return;
-  built_call = neighbor->ncalls;
-  built_step = neighbor->lastcall;
+  if (!build.is_new(neighbor)) return;
   const size_t n = 3 * (size_t) atom->nlocal;
   const double *const x = n ? atom->x[0] : nullptr;
   listed.assign(x, x + n);
@@ -116,6 +115,9 @@ void FixSkinMotion::count_beyond()
   const double *const x = atom->x[0], *const y = listed.data();
   for (size_t n = 0; n < listed.size(); n += 3) {
     const double dx = x[n] - y[n], dy = x[n + 1] - y[n + 1], dz = x[n + 2] - y[n + 2];
-    beyond += dx * dx + dy * dy + dz * dz > reachsq;
+    const double distsq = dx * dx + dy * dy + dz * dz;
+    if (!(distsq > reachsq)) continue;
+    furthest_listed = std::max(furthest_listed, distsq);
+    beyond++;
   }
 }

@@ -3,6 +3,7 @@
 
 #include "pair.h"
 
+#include "skin_build.h"
 #include "skin_contacts.h"
 
 #include <string>
@@ -34,6 +35,7 @@ class PairSkin : public Pair {
   void write_data(FILE *) override;
   void write_data_all(FILE *) override;
   double single(int, int, int, int, double, double, double, double &) override;
+  void *extract(const char *, int &) override;
   double memory_usage() override;
 
   // ends the run if two particles of the last compute() have come closer than their core, a part
@@ -64,14 +66,16 @@ class PairSkin : public Pair {
   double core;
   std::vector<Coefficient> names;
   int ncoeffs;
-  double ***coeffs;                 // of each pair of types
+  double ***coeffs;    // each of them for all pairs of types
   SkinContacts contacts;
-  std::vector<double *> of_kind;    // coefficients of each kind of contact
-  std::vector<double> least;        // squared distance of each kind
+  SkinBuild build;                             // that the contacts belong to
+  std::vector<std::vector<double>> of_kind;    // coefficients of each kind of contact
+  std::vector<double> least, first_least;      // squared distance of each kind, now and at setup
   bool kinds_known;
-  bigint built_call, built_step;    // the neighbor build that the contacts belong to
 
   void allocate();
+  void check(int, double, const std::string &) const;
+  std::vector<double> of_types(int, int) const;
   void find_kinds();
   void tally();
 };

@@ -2,9 +2,11 @@
 
 #include "atom.h"
 #include "domain.h"
+#include "group.h"
 #include "neighbor.h"
 
 #include <algorithm>
+#include <tuple>
 
 using namespace LAMMPS_NS;
 
@@ -16,9 +18,27 @@ void SkinContacts::set_kinds(const std::vector<int> &kind_of_types,
   ntypes = atom->ntypes;
   kinds = kind_of_types;
   distances = distance;
-  of_kind.resize(distances.size());
   choose_centers();
   one_kind = all_of_one_kind();
+  regroup();
+}
+
+/* ---------------------------------------------------------------------- */
+
+void SkinContacts::regroup()
+{
+  std::vector<std::vector<SkinTwo>> listed(distances.size());
+  std::swap(listed, of_kind);
+  for (const std::vector<SkinTwo> &pairs : listed)
+    for (const SkinTwo &pair : pairs)
+      of_kind[kinds[atom->type[pair[0]] * (ntypes + 1) + atom->type[pair[1]]]].push_back(pair);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void SkinContacts::clear()
+{
+  for (std::vector<SkinTwo> &pairs : of_kind) pairs.clear();
 }
 
 /* ----------------------------------------------------------------------
@@ -65,7 +85,7 @@ bool SkinContacts::all_of_one_kind() const
 
 void SkinContacts::build()
 {
-  for (std::vector<SkinTwo> &pairs : of_kind) pairs.clear();
+  clear();
   if (of_kind.empty()) return;
 
   radii.clear();
@@ -107,7 +127,7 @@ void SkinContacts::add_column(const SkinColumns &all, int c, double furthest)
     // a ghost has no list of special neighbors; who has none sees all
 
     const bool owned = i < atom->nlocal;
-    const bool sees_all = owned && !neighbor->exclude &&
+    const bool sees_all = owned && !neighbor->exclude && !neighbor->includegroup &&
         (!atom->nspecial || atom->nspecial[i][0] == 0);
     for (const int *k = first; k < last; k++) {
       const int j = near.index[*k];
@@ -122,7 +142,8 @@ void SkinContacts::add_column(const SkinColumns &all, int c, double furthest)
 
 /* ----------------------------------------------------------------------
    a pair that two ranks find, or one rank twice, is that of the rank or image that owns the one of
-   lower ID, if both IDs are of one parity, and else the one of higher ID, as if by lot
+   lower ID, if both IDs are of one parity, and else the one of higher ID, as if by lot; of the two
+   images of a particle on opposite sides of it, it has the upper one
 ------------------------------------------------------------------------- */
 
 bool SkinContacts::mine(int i, int j) const
@@ -131,11 +152,21 @@ bool SkinContacts::mine(int i, int j) const
   if (i < nlocal && j < nlocal) return true;
   if (i >= nlocal && j >= nlocal) return false;
   const tagint owned = atom->tag[std::min(i, j)], ghost = atom->tag[std::max(i, j)];
+  if (owned == ghost) return above(std::max(i, j), std::min(i, j));
   return (owned < ghost) == (((owned ^ ghost) & 1) == 0);
 }
 
+/* ---------------------------------------------------------------------- */
+
+bool SkinContacts::above(int i, int j) const
+{
+  const double *const x = atom->x[i], *const y = atom->x[j];
+  return std::tie(x[2], x[1], x[0]) > std::tie(y[2], y[1], y[0]);
+}
+
 /* ----------------------------------------------------------------------
-   pairs that LAMMPS leaves out of its lists, too: special neighbors and excluded ones
+   pairs that LAMMPS leaves out of its lists, too: special neighbors, and what neigh_modify include
+   and exclude say
 ------------------------------------------------------------------------- */
 
 bool SkinContacts::hidden(int i, int j) const
@@ -145,6 +176,10 @@ bool SkinContacts::hidden(int i, int j) const
   if (n && std::find(special, special + n, atom->tag[j]) != special + n) {
     const double *const x = atom->x[i], *const y = atom->x[j];
     if (!domain->minimum_image_check(x[0] - y[0], x[1] - y[1], x[2] - y[2])) return true;
+  }
+  if (neighbor->includegroup) {
+    const int bit = group->bitmask[neighbor->includegroup];
+    if (!(atom->mask[i] & atom->mask[j] & bit)) return true;
   }
   return neighbor->exclude && excluded(i, j);
 }

@@ -18,10 +18,12 @@ class SkinContacts : protected Pointers {
   explicit SkinContacts(class LAMMPS *lmp) : Pointers(lmp) {}
 
   // the kind of contact of all pairs of types, in rows of ntypes + 1, -1 if they have none;
-  // contact distances of kinds. To be called on all ranks
+  // contact distances of kinds. To be called on all ranks. Pairs that are listed change to their
+  // new kinds
 
   void set_kinds(const std::vector<int> &kind_of_types, const std::vector<double> &distance);
   void build();
+  void clear();
   double memory_usage() const;
 
   std::vector<std::vector<SkinTwo>> of_kind;
@@ -42,8 +44,10 @@ class SkinContacts : protected Pointers {
 
   void choose_centers();
   bool all_of_one_kind() const;
+  void regroup();
   void add_column(const SkinColumns &, int, double);
   bool mine(int, int) const;
+  bool above(int, int) const;
   bool hidden(int, int) const;
   bool excluded(int, int) const;
 };

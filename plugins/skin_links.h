@@ -26,6 +26,10 @@ class SkinLinks : protected Pointers {
   };
   std::vector<Group> of_type;
 
+  // all links, with their types, as they are listed: in a hybrid style they are of one sub-style
+
+  std::vector<std::array<int, 3>> all;
+
  private:
   std::vector<int> first_of_atom, next_of_link;    // links by their first atom, -1 ends
   std::vector<char> listed;

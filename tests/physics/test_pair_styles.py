@@ -88,6 +88,21 @@ def gas() -> tuple[Floats, Floats]:
 
 
 def script(folder: Path, style: str, pairs: dict[tuple[int, int], Any], more: str = "") -> str:
+    """Pairs of types with one style alone."""
+    lines = [f"pair_coeff {i} {j} {style} {stated(style, *c)}" for (i, j), c in pairs.items()]
+    setting = "lj/cut 1.0" if style == "lj/cut" else style
+    begin = f"pair_style hybrid/overlay {setting}\npair_coeff * * none\n"
+    return gas_script(folder, begin + "\n".join(lines), more)
+
+
+def stated(style: str, k: float, contact: float, reach: float) -> str:
+    """Coefficients of a pair of types as a style has them."""
+    if style == "lj/cut":
+        return f"{k / 12!r} {contact / 2 ** (1 / 6)!r} {contact * reach!r}"
+    return f"{k!r} {contact!r} {reach!r}"
+
+
+def gas_script(folder: Path, pair_commands: str, more: str = "") -> str:
     """Forces at the start and after the particles have moved, with bonds between some of them."""
     types, places = gas()
     atoms = "\n".join(
@@ -101,13 +116,6 @@ def script(folder: Path, style: str, pairs: dict[tuple[int, int], Any], more: st
         + "".join(f"{n} 1\n" for n in range(1, TYPES + 1))
         + f"\nAtoms\n\n{atoms}\n\nBonds\n\n{bonds}\n"
     )
-    coefficients = []
-    for (i, j), (k, contact, reach) in pairs.items():
-        values = f"{k!r} {contact!r} {reach!r}"
-        if style == "lj/cut":
-            values = f"{k / 12!r} {contact / 2 ** (1 / 6)!r} {contact * reach!r}"
-        coefficients.append(f"pair_coeff {i} {j} {style} {values}")
-    setting = "lj/cut 1.0" if style == "lj/cut" else style
     return f"""
         units lj
         atom_style molecular
@@ -116,10 +124,8 @@ def script(folder: Path, style: str, pairs: dict[tuple[int, int], Any], more: st
         bond_style zero nocoeff
         read_data {folder}/gas.data extra/special/per/atom 4
         bond_coeff 1
-        pair_style hybrid/overlay {setting}
+        {pair_commands}
         pair_modify shift yes
-        pair_coeff * * none
-        {chr(10).join(coefficients)}
         neighbor {SKIN_DISTANCE} bin
         neigh_modify every 1 delay 0 check yes
         comm_modify cutoff 2.6
