@@ -72,7 +72,7 @@ class FixSkinMotion : public Fix {
   };
   int offender;              // my particle that moved furthest, or -1
   double inverted_time;      // for how long I have had an inverted triangle
-  bool inverted_at_start;    // and it began before this run
+  bool inverted_at_start;    // since before the first step
 
   struct Term {
     std::string name;

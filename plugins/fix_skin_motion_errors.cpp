@@ -32,11 +32,13 @@ void FixSkinMotion::setup_pre_force(int /*vflag*/)
   check_links();
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   triangles that were inverted by a step of an earlier run are not another command's fault
+------------------------------------------------------------------------- */
 
 void FixSkinMotion::setup(int /*vflag*/)
 {
-  inverted_at_start = bend && bend->find_inverted() >= 0;
+  if (inverted_time == 0.0) inverted_at_start = bend && bend->find_inverted() >= 0;
 }
 
 /* ---------------------------------------------------------------------- */

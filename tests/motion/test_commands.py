@@ -8,11 +8,10 @@ import pytest
 from lammps_skin.build import build
 from lammps_skin.configuration import Configuration
 from lammps_skin.engine import open_lammps
-from lammps_skin.errors import SimulationError
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
 
-from tests.reliability.conftest import run_script, try_script
+from tests.reliability.conftest import try_script
 
 HYBRID = (
     "bond_style hybrid skin/stretch",

@@ -40,12 +40,21 @@ def test_closer_than_the_core(apart: float, ends: bool, ranks: int, tmp_path: Pa
     output = process.stdout
     error = (
         r"Pair skin/core: atoms (1 and 2 of types 1 and 2|2 and 1 of types 2 and 1) overlap on "
-        r"step 1: their distance is 0\.299\d*, less than 0\.3; try a smaller timestep than 0\.005"
+        r"step 1: their distance is 0\.299\d*, less than 0\.3; the state that this run began with"
     )
     assert "set up" in output
     assert (process.returncode != 0) == ends
     if ranks == 1 or "ERROR" in output:
         assert bool(re.search(error, output)) == ends, output
+
+
+def test_a_timestep_is_recommended_where_steps_led_to_it() -> None:
+    engine = open_lammps(["-log", "none"])
+    engine.commands_string(f"{BOX}{PAIR}\nset atom 2 x 3.4\ngroup one id 2\nrun 0 post no")
+    engine.commands_string("timestep 1.0\nfix push one move linear -0.06 0 0")
+    with pytest.raises(Exception, match=r"on step 2: .* 0\.28.*; try a smaller timestep than 1"):
+        engine.command("run 3 post no")
+    engine.close()
 
 
 def test_the_first_state_may_overlap_more() -> None:
