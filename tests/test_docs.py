@@ -260,7 +260,7 @@ def test_columns_of_thermo_output() -> None:
         found = re.search(r'variable +columns string "\$\{columns\} (.*?)"', script)
         assert found
         columns += found[1].split()
-    markdown = section("inputs.md", "What is written").split("The thermo output has these columns")[1]
+    markdown = section("inputs.md", "What is written").split("The thermo output has")[1]
     assert [name for row in rows(markdown) for name in codes(row[0])] == columns
 
 
