@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import signal
 import struct
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator, Mapping
 from datetime import datetime
 from importlib.metadata import version
@@ -17,16 +17,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from lammps_skin.build import SCENE_FILE, SCRIPTS
-from lammps_skin.engine import hold
 from lammps_skin.errors import SimulationError, SkinError
-from lammps_skin.results import EVENTS, LOG, MANIFEST, RESTARTS, holds_results
+from lammps_skin.files import set_aside
+from lammps_skin.results import EVENTS, LOG, MANIFEST, holds_results, restart_files
 from lammps_skin.scene import Scene
 from lammps_skin.trajectory.recorder import interval, steps_between
 from lammps_skin.trajectory.store import STORE
 
 PART = "skin.step*.restart.part"  # while LAMMPS writes it; LAMMPS puts the step for the star
 KEPT = 3
-PATIENCE = 10.0  # seconds for the ranks of a killed run to end
 DATA = "skin.data"
 TRIAL = """
 import sys
@@ -55,9 +54,15 @@ class Checkpoints:
     scene : Scene
     variables : mapping
         What is given to LAMMPS instead of the scene's values.
+
+    Attributes
+    ----------
+    passed_over : list of Path
+        Restart files that get another name when the run begins, since they are damaged.
     """
 
     def __init__(self, directory: Path, scene: Scene, variables: Mapping[str, object]) -> None:
+        self.passed_over: list[Path] = []
         self._directory = directory
         self._variables = dict(variables)
         self._interval = interval("checkpoint_interval", scene, variables)
@@ -75,7 +80,9 @@ class Checkpoints:
         try:
             for part in self._directory.glob(PART):
                 part.unlink()
-            for path in self._directory.glob(RESTARTS):
+            for path in self.passed_over:
+                set_aside(path)
+            for path in restart_files(self._directory):
                 if not resumed or _step_of(path) > now:
                     path.unlink()
             if resumed:
@@ -171,11 +178,24 @@ class Checkpoints:
 
 
 class Resumption(NamedTuple):
-    """How to go on with a run: its restart file, None for the initial state; what is to be told."""
+    """How to go on with a run.
+
+    Attributes
+    ----------
+    restart : str or None
+        Name of the restart file; None for the initial state.
+    variables : dict
+        What was given to the run.
+    notes : list of str
+        What is to be told.
+    passed_over : list of Path
+        Newer restart files, which are damaged.
+    """
 
     restart: str | None
     variables: dict[str, Any]
     notes: list[str]
+    passed_over: list[Path]
 
 
 def find_resumption(directory: Path) -> Resumption:
@@ -188,23 +208,31 @@ def find_resumption(directory: Path) -> Resumption:
     Raises
     ------
     SimulationError
-        If there is none, and if an input file has changed since the run began.
+        If there is none, if an input file has changed since the run began, and if a checkpoint
+        cannot be read now, but may be good.
     """
     notes: list[str] = []
+    passed_over: list[Path] = []
     manifest = _read_manifest(directory)
     if manifest is None:
         manifest = {}
         notes.append(f"checkpoints {directory / MANIFEST}: is damaged; hashes are not compared")
     listed = {_name(entry): entry for entry in manifest.get("checkpoints", [])}
-    paths = sorted(directory.glob(RESTARTS), key=_step_of, reverse=True)
+    paths = sorted(restart_files(directory), key=_step_of, reverse=True)
     for path in paths:
         entry = listed.get(path.name)
-        fault = _fault(directory, entry) or _fault_of_form(path)
+        try:
+            fault = _fault(directory, entry) or _fault_of_form(path)
+        except OSError as error:
+            raise SimulationError(
+                f"checkpoint {path}: {error.strerror}; it may be good, and no older one is taken"
+            ) from None
         if fault is None:
             _check_inputs(directory, manifest, set())
             fault = None if entry else _fault_of_content(directory, path)
         if fault is None:
-            return Resumption(path.name, manifest.get("variables", {}), notes)
+            return Resumption(path.name, manifest.get("variables", {}), notes, passed_over)
+        passed_over.append(path)
         notes.append(f"checkpoint {path}: {fault}")
     if paths:
         raise SimulationError(f"directory {directory}: has no good checkpoint; " + "; ".join(notes))
@@ -213,27 +241,7 @@ def find_resumption(directory: Path) -> Resumption:
         raise SimulationError(f"directory {directory}: holds no checkpoint to resume from")
     _check_inputs(directory, manifest, {DATA})
     notes.append("the run ended before its first checkpoint, and begins again")
-    return Resumption(None, manifest.get("variables", {}), notes)
-
-
-def wait_for_others(directory: Path) -> None:
-    """Until no process runs in a directory; ranks outlive a killed run for some steps.
-
-    Raises `SimulationError` if one goes on.
-    """
-    if not directory.exists():
-        return
-    deadline = time.monotonic() + PATIENCE
-    while True:
-        try:
-            os.close(hold(directory, alone=True))
-            return
-        except BlockingIOError:
-            if time.monotonic() > deadline:
-                raise SimulationError(
-                    f"directory {directory}: another process still runs in it"
-                ) from None
-        time.sleep(0.05)
+    return Resumption(None, manifest.get("variables", {}), notes, [])
 
 
 def _name(entry: Mapping[str, Any]) -> str:
@@ -251,11 +259,11 @@ def _check_inputs(directory: Path, manifest: Mapping[str, Any], more: set[str]) 
 
 
 def _fault(directory: Path, entry: Mapping[str, Any] | None) -> str | None:
-    """What is wrong with the files of a checkpoint."""
+    """What is wrong with the files of a checkpoint; raises `OSError` if that cannot be seen now."""
     for name, expected in entry["files"].items() if entry else ():
         try:
             found = list(_length_and_hash(directory / name, expected[0]))
-        except OSError as error:
+        except (FileNotFoundError, IsADirectoryError) as error:
             return f"{name}: {error.strerror}"
         if found != expected:
             return f"{EVENTS} does not go with it" if name == EVENTS else "is damaged"
@@ -263,10 +271,10 @@ def _fault(directory: Path, entry: Mapping[str, Any] | None) -> str | None:
 
 
 def _fault_of_form(path: Path) -> str | None:
-    """What is wrong with the form of a restart file."""
+    """What is wrong with the form of a restart file; raises `OSError` if that cannot be seen."""
     try:
         written = _read_head(path)[1]
-    except (OSError, ValueError, struct.error):
+    except (IsADirectoryError, ValueError, struct.error):
         return "is damaged"
     try:
         date = datetime.strptime(written[:11].strip(), "%d %b %Y")
@@ -285,13 +293,15 @@ def _fault_of_content(directory: Path, path: Path) -> str | None:
     with tempfile.TemporaryDirectory(prefix="skin-") as copy:
         for name in [*_inputs(directory), path.name]:
             (Path(copy) / name).symlink_to((directory / name).resolve())
-        command = [sys.executable, "-c", TRIAL, copy, path.name]
+        command = [sys.executable, "-P", "-c", TRIAL, copy, path.name]
         try:
             trial = subprocess.run(command, capture_output=True, timeout=LONGEST_TRIAL, text=True)
         except subprocess.TimeoutExpired:
             return "is damaged"
     if trial.returncode == 0:
         return None
+    if -trial.returncode in (signal.SIGKILL, signal.SIGTERM):
+        raise SimulationError(f"checkpoint {path}: the process that tried it was killed")
     return f"cannot be read: {trial.stderr.strip()}" if trial.returncode == 1 else "is damaged"
 
 

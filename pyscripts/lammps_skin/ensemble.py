@@ -2,18 +2,22 @@
 
 In a folder of an ensemble, ``runs/NAME-SEED-KEY.csv`` is the table of one run, and
 ``NAME.csv.gz`` has those of all seeds of a scene below each other, with a column for the seed.
-The key is a hash of all that the scene says and of the version of the observables: a run whose
-table is there is not run again.
+The key is a hash of all that the scene says and of the versions of LAMMPS, of the package, of the
+plugin and of the observables: a run whose table is there is not run again. A gathered table of
+another key gets the name ``NAME-KEY.csv.gz``.
 """
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import json
+import os
+import re
 import shutil
 import signal
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -25,39 +29,68 @@ from numpy.lib import recfunctions
 from lammps_skin import cost, observables
 from lammps_skin.analysis.geometry import Floats
 from lammps_skin.analysis.statistics import Mean, mean
-from lammps_skin.checkpoints import wait_for_others
 from lammps_skin.errors import SceneError, SkinError
+from lammps_skin.files import free_name
+from lammps_skin.hold import Hold
 from lammps_skin.observables import Table, open_run, save
 from lammps_skin.observables import load as load
+from lammps_skin.results import holds_results
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
+from lammps_skin.trajectory.hdf5 import open_hdf5
+from lammps_skin.trajectory.store import STORE
+from lammps_skin.versions import versions
 
 REPORTS = 200  # of the time of a run to the bar
+KEY = re.compile(r", key ([0-9a-f]+)$")  # how the first comment of a gathered table ends
 Progress = Callable[[float], None]
+
+
+def _today() -> tuple[tuple[str, str], ...]:
+    return tuple(versions().items())
 
 
 @dataclass(frozen=True)
 class Member:
-    """One run of an ensemble: a scene with its seed, in the folder of the ensemble."""
+    """One run of an ensemble: a scene with its seed, in the folder of the ensemble.
+
+    Attributes
+    ----------
+    scene : Scene
+    folder : Path
+    made_by : tuple of (name, version)
+        What runs it, or has run it.
+    """
 
     scene: Scene
     folder: Path
+    made_by: tuple[tuple[str, str], ...] = field(default_factory=_today)
+
+    @property
+    def seed(self) -> int:
+        """Seed of the cells, by which runs of one key differ."""
+        return self.scene.cell_seed
 
     @property
     def label(self) -> str:
-        return f"{self.scene.name}, seed {self.scene.seed}"
+        return f"{self.scene.name}, seed {self.seed}"
 
     @property
     def key(self) -> str:
-        """Hash of what the seeds of a scene have in common, and of what is observed."""
-        content = self.scene.model_dump(mode="json", exclude={"seed", "description"})
-        text = json.dumps([observables.VERSION, content], sort_keys=True)
+        """Hash of what the seeds of a scene have in common, of versions, of what is observed.
+
+        Where the cells have a seed of their own, that of the scene is the same for all of them.
+        """
+        content = self.scene.model_dump(mode="json", exclude={"description"})
+        if content["cells"].pop("seed") is None:
+            del content["seed"]
+        text = json.dumps([observables.VERSION, self.made_by, content], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:12]
 
     @property
     def directory(self) -> Path:
         """Run directory."""
-        return self.folder / "runs" / f"{self.scene.name}-{self.scene.seed}-{self.key}"
+        return self.folder / "runs" / f"{self.scene.name}-{self.seed}-{self.key}"
 
     @property
     def table(self) -> Path:
@@ -81,26 +114,32 @@ class Member:
     def run(self, keep: bool = False, progress: Progress | None = None) -> None:
         """Run to the end time, store the observables, remove the run directory.
 
-        What an earlier process has left there goes on from its last checkpoint.
+        What an earlier process has left there goes on from its last checkpoint. If it cannot, it
+        is left as it is, and a `SkinError` says why.
         """
 
         def report(time: float, _: Simulation) -> None:
             if progress:
                 progress(time)
 
-        with self._simulation() as simulation:
-            simulation.run(progress=report, every=self.scene.end_time / REPORTS)
-        self.store(self.directory)
-        if not keep:
-            shutil.rmtree(self.directory)
+        with Hold(self.directory, make=True) as held:
+            if self.done:  # by another process, while it held the directory
+                return
+            with self._simulation(held) as simulation:
+                simulation.run(progress=report, every=self.scene.end_time / REPORTS)
+            self.store(self.directory)
+            if not keep:
+                shutil.rmtree(self.directory)
 
-    def _simulation(self) -> Simulation:
-        wait_for_others(self.directory)
+    def _simulation(self, held: Hold) -> Simulation:
+        if not holds_results(self.directory):
+            return Simulation(self.scene, self.directory, held=held)
         try:
-            return Simulation.resume(self.directory)
-        except SkinError:
-            shutil.rmtree(self.directory, ignore_errors=True)
-            return Simulation(self.scene, self.directory)
+            return Simulation.resume(self.directory, held=held)
+        except SkinError as error:
+            raise SkinError(
+                f"{error}; the run is kept: move {self.directory} away to begin anew"
+            ) from None
 
     def store(self, directory: Path) -> None:
         """Store the observables of a run of this scene that has come to its end."""
@@ -133,9 +172,18 @@ def members(scenes: Iterable[Scene], seeds: Sequence[int], folder: Path) -> list
 
 
 def member_of(directory: Path, folder: Path) -> Member:
-    """The member that was run in a directory, in the folder of an ensemble."""
+    """The member that was run in a directory, in the folder of an ensemble.
+
+    Its versions are those that skin.h5 names; a dump names none, and those of today are taken.
+    """
     with open_run(directory) as run:
-        return Member(run.scene, folder)
+        path = Path(run.universe.trajectory.filename)
+        made_by = versions()
+        if path.suffix == Path(STORE).suffix:
+            with open_hdf5(path) as file:
+                named = file["parameters/versions"].attrs
+                made_by = {name: str(named.get(name, "unknown")) for name in made_by}
+        return Member(run.scene, folder, tuple(made_by.items()))
 
 
 # ---- running
@@ -222,25 +270,58 @@ def _work(member: Member, keep: bool, sender: Connection) -> None:
 def gather(members: Iterable[Member]) -> list[Path]:
     """Gather the tables of each scene, of these and of all other seeds that are there.
 
-    The same tables give the same bytes. Scenes without a table are left out.
+    Seeds that the gathered table has already, and that have no table of their own any more, stay
+    in it. A gathered table of another key is not changed but for its name. The same tables give
+    the same bytes. Scenes without a table are left out.
+
+    Returns
+    -------
+    list of Path
+        Tables that were written or have another name.
     """
     written = []
-    for member in {member.gathered: member for member in members}.values():
-        name, key = member.scene.name, member.key
-        tables = {
-            int(path.name.split("-")[-2]): load(path)
-            for path in member.table.parent.glob(f"{name}-*-{key}.csv")
-            if path.name.removeprefix(f"{name}-").removesuffix(f"-{key}.csv").isdigit()
+    for member in {(member.gathered, member.key): member for member in members}.values():
+        name, key, path = member.scene.name, member.key, member.gathered
+        aside = path.with_name(f"{name}-{key}.csv.gz")
+        tables: dict[int, Table] = {}
+        for earlier in (aside, path):
+            if _key_of(earlier) == key:
+                tables |= _by_seed(load(earlier))
+        tables |= {
+            int(file.name.split("-")[-2]): with_seed(load(file), int(file.name.split("-")[-2]))
+            for file in member.table.parent.glob(f"{name}-*-{key}.csv")
+            if file.name.removeprefix(f"{name}-").removesuffix(f"-{key}.csv").isdigit()
         }
-        if tables:
-            together = [with_seed(tables[seed], seed) for seed in sorted(tables)]
-            comments = [
-                f"{name}, seeds {', '.join(map(str, sorted(tables)))}, key {key}",
-                f"scene: {json.dumps(member.scene.given(), sort_keys=True)}",
-            ]
-            save(np.concatenate(together), member.gathered, comments)
-            written.append(member.gathered)
+        if not tables:
+            continue
+        if os.path.lexists(path) and _key_of(path) != key:
+            other = free_name(path.with_name(f"{name}-{_key_of(path) or 'other'}.csv.gz"))
+            path.rename(other)
+            written.append(other)
+        comments = [
+            f"{name}, seeds {', '.join(map(str, sorted(tables)))}, key {key}",
+            f"scene: {json.dumps(member.scene.given(), sort_keys=True)}",
+            f"made by: {', '.join(' '.join(pair) for pair in member.made_by)}",
+        ]
+        save(np.concatenate([tables[seed] for seed in sorted(tables)]), path, comments)
+        aside.unlink(missing_ok=True)
+        written.append(path)
     return written
+
+
+def _key_of(path: Path) -> str | None:
+    """Key of a gathered table; None if there is no table that names one."""
+    try:
+        with gzip.open(path, "rt", encoding="utf-8") as file:
+            found = KEY.search(file.readline().rstrip())
+    except (OSError, EOFError, ValueError):
+        return None
+    return found[1] if found else None
+
+
+def _by_seed(table: Table) -> dict[int, Table]:
+    """Rows of each seed of a gathered table."""
+    return {int(seed): table[table["seed"] == seed] for seed in np.unique(table["seed"])}
 
 
 def with_seed(table: Table, seed: int) -> Table:

@@ -2,22 +2,37 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 
-@contextmanager
-def reading(what: str) -> Iterator[None]:
-    """Whatever goes wrong within, in a file that is damaged, becomes a `SkinError` of one line."""
-    try:
-        yield
-    except (OSError, LookupError, ValueError, TypeError, ArithmeticError, RuntimeError) as error:
-        reason = getattr(error, "strerror", None) or "is damaged"
-        raise SkinError(f"{what}: {reason}") from None
-
-
 class SkinError(Exception):
     """Anything wrong with what the user gave or with a run; the text is one clear line."""
+
+
+class DamagedError(SkinError):
+    """A file whose contents cannot be right; whoever reads it again finds the same."""
+
+
+@contextmanager
+def reading(what: str) -> Iterator[None]:
+    """Whatever goes wrong within, while a file is read, becomes a `SkinError` of one line.
+
+    It is a `DamagedError` unless the system names a reason, as for a file that is locked,
+    unreadable or on a sick disk: that may be over the next time.
+    """
+    try:
+        yield
+    except OSError as error:
+        told = re.search(r"errno = (\d+)", str(error))  # of HDF5, which says it in its text alone
+        number = error.errno or (int(told[1]) if told else 0)
+        if number:
+            raise SkinError(f"{what}: {os.strerror(number)}") from None
+        raise DamagedError(f"{what}: is damaged") from None
+    except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError, RuntimeError):
+        raise DamagedError(f"{what}: is damaged") from None
 
 
 class SceneError(SkinError):

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import resource
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
 
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.packing import dermal_count
@@ -23,7 +26,35 @@ def installed() -> float:
     """Bytes of memory of this machine, or what this process may have of it if that is less."""
     physical = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
-    return float(physical if allowed == resource.RLIM_INFINITY else min(physical, allowed))
+    own = physical if allowed == resource.RLIM_INFINITY else min(physical, allowed)
+    return float(min([own, *group_limits()]))
+
+
+def group_limits(process: Path = Path("/proc/self")) -> Iterator[int]:
+    """Bytes that the control groups of a process allow, and the groups that these are in."""
+    try:
+        groups = [line.split(":", 2) for line in (process / "cgroup").read_text().splitlines()]
+        mounts = (process / "mountinfo").read_text().splitlines()
+    except OSError:
+        return
+    for mount in mounts:
+        where, _, what = mount.partition(" - ")
+        root, place = where.split()[3:5]
+        kind, _, options = what.split()[:3]
+        for number, controllers, group in groups:
+            memory = "memory" in controllers.split(",") and "memory" in options.split(",")
+            if kind == "cgroup" and memory:
+                yield from _limits(Path(place), root, group, "memory.limit_in_bytes")
+            elif kind == "cgroup2" and number == "0":
+                yield from _limits(Path(place), root, group, "memory.max")
+
+
+def _limits(place: Path, root: str, group: str, name: str) -> Iterator[int]:
+    """Limits of a group and of all above it, as far as they can be seen where they are mounted."""
+    below = Path(group).relative_to(root) if Path(group).is_relative_to(root) else Path()
+    for level in (below, *below.parents):
+        with suppress(OSError, ValueError):  # "max" is no limit
+            yield int((place / level / name).read_text())
 
 
 def check_memory(scene: Scene) -> None:

@@ -6,25 +6,33 @@ import errno
 import os
 import tempfile
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 from lammps_skin.build import build, load_built
-from lammps_skin.checkpoints import PART, Checkpoints, find_resumption, wait_for_others
+from lammps_skin.checkpoints import PART, Checkpoints, find_resumption
 from lammps_skin.configuration import Configuration
 from lammps_skin.data_file import check_places
 from lammps_skin.engine import FIX_TERMS, Cells, Engine, Floats, Forces, Ints, Motion
-from lammps_skin.errors import SceneError, SimulationError
+from lammps_skin.errors import SceneError, SimulationError, SkinError
+from lammps_skin.hold import Hold
 from lammps_skin.interruption import Interruption
 from lammps_skin.memory import check_ranks
-from lammps_skin.ranks import RankedEngine
+from lammps_skin.ranks import RankedEngine, check_alone
 from lammps_skin.results import holds_results
 from lammps_skin.scene import Scene
 from lammps_skin.stiffness import longest_timestep
 from lammps_skin.terms import pair_terms
 from lammps_skin.trajectory.recorder import Recorder, set_aside_if_damaged
 
+# of errors that a shorter timestep can prevent: of our styles, and of LAMMPS
+UNSTABLE = (
+    "smaller timestep", "Lost atoms", "atoms missing", "missing on proc", "Out of range atoms",
+    "Non-numeric", "NaN", "inner cutoff", "outer cutoff", "Bond length", "half of periodic box",
+    "moved too far", "Atom coords",
+)  # fmt: skip
 Progress = Callable[[float, Any], None]
 
 
@@ -46,6 +54,8 @@ class Simulation:
         Overrides of variables of scene.in, as ``-var`` on the command line.
     replace : bool
         Whether the results of an earlier run in `directory` may be replaced.
+    held : Hold, optional
+        The directory, if it is held already; it is the caller's to close.
 
     Attributes
     ----------
@@ -79,38 +89,47 @@ class Simulation:
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
         replace: bool = False,
+        held: Hold | None = None,
     ) -> None:
         if isinstance(scene, (str, Path)):
             scene = Scene.load(scene)
-        self._temporary = None if directory else tempfile.TemporaryDirectory(prefix="skin-")
-        self.directory = Path(directory or self._temporary.name).resolve()  # type: ignore[union-attr]
-        check_run(self.directory, ranks, threads)
-        wait_for_others(self.directory)
-        begins = "restart" not in (variables or {})
-        if begins and not replace and holds_results(self.directory):
-            raise SimulationError(
-                f"directory {self.directory}: holds results of a run; Simulation.resume goes on "
-                "with it, replace=True replaces them"
-            )
-        if scene is None:
-            self.scene = load_built(self.directory)
-            check_places(self.directory / "skin.data")
-        else:
-            self.scene = scene
-            build(scene, self.directory, configuration)
-        self.notes: list[str] = []
-        self._recorder = Recorder(self.directory, self.scene, variables or {})
-        self._checkpoints = Checkpoints(self.directory, self.scene, variables or {})
+        variables = dict(variables or {})
+        self._temporary = not directory
+        with ExitStack() as resources:  # to be closed if the simulation cannot begin
+            if not directory:
+                directory = resources.enter_context(tempfile.TemporaryDirectory(prefix="skin-"))
+            self.directory = Path(directory).resolve()
+            check_run(self.directory, ranks, threads)
+            held = held or resources.enter_context(Hold(self.directory, make=scene is not None))
+            begins = "restart" not in variables
+            if begins and not replace and holds_results(self.directory):
+                raise SimulationError(
+                    f"directory {self.directory}: holds results of a run; Simulation.resume goes "
+                    "on with it, replace=True replaces them"
+                )
+            if scene is None:
+                self.scene = load_built(self.directory)
+                check_places(self.directory / "skin.data")
+            else:
+                self.scene = scene
+                build(scene, self.directory, configuration)
+            self.notes: list[str] = []
+            self._recorder = Recorder(self.directory, self.scene, variables)
+            self._checkpoints = Checkpoints(self.directory, self.scene, variables)
+            self._engine: Any = self._open(ranks, threads, variables, held)
+            self._resources = resources.pop_all()
         self.sound = True
-        ours = {"running": 0, "dump_interval": 0, "restart_file": PART}
+
+    def _open(self, ranks: int, threads: int, variables: dict[str, Any], held: Hold) -> Any:
+        """LAMMPS with the scene that is built in the directory."""
         arguments = (
             self.directory, self.scene.kinds, present_terms(self.scene),
-            {**(variables or {}), **ours}, threads,
+            {**variables, "running": 0, "dump_interval": 0, "restart_file": PART}, threads,
         )  # fmt: skip
         try:
-            self._engine: Any = (
-                Engine(*arguments) if ranks == 1 else RankedEngine(ranks, *arguments)
-            )
+            if ranks == 1:
+                return Engine(*arguments)
+            return RankedEngine(ranks, held.descriptor, *arguments)
         except SimulationError as error:
             raise SimulationError(f"{error} (starting the scene in {self.directory})") from None
 
@@ -121,6 +140,7 @@ class Simulation:
         ranks: int = 1,
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
+        held: Hold | None = None,
     ) -> Self:
         """Go on with a run from its newest good checkpoint, see docs/reliability.md.
 
@@ -138,16 +158,20 @@ class Simulation:
         directory = Path(directory)
         check_run(directory, ranks, threads)
         load_built(directory)
-        wait_for_others(directory)
-        restart, earlier, notes = find_resumption(directory)
-        variables = {**earlier, **(variables or {})}
-        damaged = set_aside_if_damaged(directory) if restart else None
-        if restart:
-            variables = {**variables, "restart": restart}
-        simulation = cls(
-            None, directory, ranks=ranks, threads=threads, variables=variables, replace=True
-        )
-        simulation.notes += [*notes, *([damaged] if damaged else [])]
+        with ExitStack() as resources:
+            held = held or resources.enter_context(Hold(directory))
+            restart, earlier, notes, passed_over = find_resumption(directory)
+            variables = {**earlier, **(variables or {})}
+            damaged = set_aside_if_damaged(directory) if restart else None
+            if restart:
+                variables = {**variables, "restart": restart}
+            simulation = cls(
+                None, directory, ranks=ranks, threads=threads, variables=variables, replace=True,
+                held=held,
+            )  # fmt: skip
+            simulation.notes += [*notes, *([damaged] if damaged else [])]
+            simulation._checkpoints.passed_over = passed_over
+            simulation._resources.push(resources.pop_all())
         return simulation
 
     def __enter__(self) -> Self:
@@ -168,11 +192,10 @@ class Simulation:
             if engine is not None and self.sound and not self._temporary:
                 self._checkpoints.write(engine)
         finally:
-            if engine is not None:
-                engine.close()
-                self._recorder.close()
-            if self._temporary:
-                self._temporary.cleanup()
+            with self._resources:
+                if engine is not None:
+                    engine.close()
+                    self._recorder.close(self.sound)
 
     @property
     def time(self) -> float:
@@ -221,7 +244,7 @@ class Simulation:
                     self._run_to(step, interruption)
                     if progress:
                         progress(self._reached, self)
-        except SimulationError as error:
+        except SkinError as error:
             self.sound = False
             raise SimulationError(
                 f"{error} (after t = {self._reached:g}, {self._remedy(str(error), timestep)}; "
@@ -243,15 +266,16 @@ class Simulation:
     def _remedy(self, error: str, timestep: float) -> str:
         """What to change after an error: a timestep that may be stable, and at most half of it."""
         shorter = min(timestep / 2, longest_timestep(self.scene))
-        return remedy(error, timestep, shorter)
+        return remedy(error, self.directory, timestep, shorter)
 
     def _last_checkpoint(self) -> str:
         latest = self._checkpoints.latest()
         return f"last checkpoint: {latest}" if latest else "no checkpoint was written"
 
     def command(self, text: str) -> None:
-        """Give LAMMPS a command."""
+        """Give LAMMPS a command; the history in skin.h5 tells of it."""
         self._running.command(text)
+        self._recorder.note(self._running, text)
 
     def energies(self) -> dict[str, float]:
         """Energy of every term of the model at the current time, by name."""
@@ -271,6 +295,7 @@ class Simulation:
     def move(self, ids: Ints, positions: Floats) -> None:
         """Put particles (n,) at positions (n, 3), and compute all forces there."""
         self._running.move(ids, positions)
+        self._recorder.note(self._running, f"moved {len(ids)} particles")
 
     def cells(self) -> Cells:
         """State of the living cells, sorted by id."""
@@ -284,16 +309,25 @@ class Simulation:
         return self._engine
 
 
-def remedy(error: str, timestep: float, shorter: float) -> str:
-    """What to change after an error of a run."""
+def remedy(error: str, directory: Path, timestep: float, shorter: float) -> str:
+    """What to do after an error of a run."""
+    if not directory.is_dir():
+        return f"{directory} is no longer there: put it back, and resume the run"
+    if any(os.strerror(full) in error for full in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)):
+        return "make room for its files, and resume the run"
+    if "was killed" in error:
+        return (
+            "as the system does when memory runs out, or a batch system at its limits: resume the "
+            "run, with more of them or on fewer ranks"
+        )
     if "leaves the box" in error:
         return (
             f"numerics.timestep = {timestep:g}; try {shorter:.3g}, or, for a tissue that moves "
             "as a whole, other membrane.height and box_height"
         )
-    if any(os.strerror(full) in error for full in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)):
-        return "make room for its files, and resume the run"
-    return f"numerics.timestep = {timestep:g}; try {shorter:.3g}"
+    if any(sign in error for sign in UNSTABLE):
+        return f"numerics.timestep = {timestep:g}; try {shorter:.3g}"
+    return "mend that, and resume the run"
 
 
 def check_run(directory: Path, ranks: int, threads: int) -> None:
@@ -305,6 +339,7 @@ def check_run(directory: Path, ranks: int, threads: int) -> None:
     for name, value in (("ranks", ranks), ("threads", threads)):
         if not isinstance(value, int) or not 1 <= value <= 4096:
             raise SimulationError(f"{name} = {value!r}: must be a whole number from 1 to 4096")
+    check_alone()
     check_ranks(ranks)
     bad = sorted({c for c in str(directory.resolve()) if not "!" <= c <= "~" or c in "\"'$*%#"})
     if bad:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin import checkpoints
+from lammps_skin import hold
 from lammps_skin.checkpoints import find_resumption
 from lammps_skin.errors import SkinError
 from lammps_skin.simulation import Simulation
@@ -204,7 +204,7 @@ def test_a_run_that_goes_on_is_left_alone(
 ) -> None:
     directory = tmp_path / "run"
     shutil.copytree(halfway, directory)
-    monkeypatch.setattr(checkpoints, "PATIENCE", 0.1)
+    monkeypatch.setattr(hold, "PATIENCE", 0.1)
     with Simulation.resume(directory):
         before = {path.name: path.read_bytes() for path in directory.iterdir()}
         with pytest.raises(SkinError, match=f"{directory}: another process still runs in it"):

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from lammps_skin import checkpoints
+from lammps_skin import hold
 from lammps_skin.cli import app
 from lammps_skin.errors import SkinError
 from lammps_skin.simulation import Simulation
@@ -55,7 +55,7 @@ def test_a_new_run_that_cannot_begin_leaves_the_old_one(run: Path) -> None:
 
 
 def test_a_running_simulation_is_left_alone(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checkpoints, "PATIENCE", 0.2)
+    monkeypatch.setattr(hold, "PATIENCE", 0.2)
     with Simulation.resume(run):
         with pytest.raises(SkinError, match="another process still runs in it"):
             Simulation(None, run, replace=True)

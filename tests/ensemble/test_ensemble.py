@@ -109,7 +109,7 @@ def test_a_killed_run_goes_on(scene, tmp_path):
 
 
 def test_a_directory_that_is_in_use_is_left_alone(scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("lammps_skin.checkpoints.PATIENCE", 0.1)
+    monkeypatch.setattr("lammps_skin.hold.PATIENCE", 0.1)
     (member,) = members([scene], [1], tmp_path)
     with Simulation(member.scene, member.directory) as simulation:
         with pytest.raises(SkinError, match="runs in"):

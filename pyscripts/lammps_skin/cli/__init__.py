@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -25,6 +26,7 @@ from lammps_skin.cli.stability import stability
 from lammps_skin.cli.stats import stats
 from lammps_skin.cli.tradeoff import tradeoff
 from lammps_skin.errors import SkinError, one_line
+from lammps_skin.ranks import check_alone, place_in_world
 
 app = typer.Typer(
     help="Epidermal stem cells on a deformable basement membrane and dermis, on LAMMPS.",
@@ -63,7 +65,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # what the terminal has no letters for is no error
             stream.reconfigure(errors="backslashreplace")
+    os.environ["MPLBACKEND"] = "agg"  # a notebook names one that is not installed here
+    rank, _ = place_in_world()
+    if rank:
+        sys.exit(2)  # the first one tells why
     try:
+        check_alone()
         code = app(arguments, standalone_mode=False, prog_name="skin")
     except (SkinError, TyperException) as error:
         text = error.format_message() if isinstance(error, TyperException) else str(error)

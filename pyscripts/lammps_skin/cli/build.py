@@ -19,6 +19,7 @@ from lammps_skin.cli.options import (
 )
 from lammps_skin.cli.output import console
 from lammps_skin.configuration import Configuration
+from lammps_skin.hold import Hold
 from lammps_skin.kinds import Kind
 
 
@@ -34,8 +35,8 @@ def build(
 ) -> None:
     """Write a scene as LAMMPS input: scripts, tables, data file."""
     described = scene_from(scene, parameters, settings, accuracy, seed)
-    keep_results(output, "its inputs belong to them; give another")
-    with console.status("building"):
+    with Hold(output, make=True), console.status("building"):
+        keep_results(output, "its inputs belong to them; give another")
         configuration = build_scene(described, output)
     console.print(f"{described.name}: {particles(configuration)}; box {sides(configuration)}")
     console.print(f"built in {output}; run it there with: lmp -in skin.in")

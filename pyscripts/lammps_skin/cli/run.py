@@ -10,7 +10,6 @@ from typing import Annotated
 import typer
 
 from lammps_skin.build import load_built
-from lammps_skin.checkpoints import wait_for_others
 from lammps_skin.cli.journey import Journey
 from lammps_skin.cli.options import (
     Accuracy,
@@ -23,8 +22,9 @@ from lammps_skin.cli.options import (
 from lammps_skin.cli.output import console
 from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError, SimulationError
+from lammps_skin.hold import Hold
 from lammps_skin.remarks import remarks
-from lammps_skin.results import RESTARTS, replaced_results
+from lammps_skin.results import RESTARTS, replaced_results, restart_files
 from lammps_skin.scene import Scene
 from lammps_skin.scenes import BUILT_IN
 from lammps_skin.simulation import Simulation, check_run, start_time
@@ -67,22 +67,23 @@ def run(
     began = time.perf_counter()
     scene, directory = _what_and_where(source, output, parameters, settings, accuracy, seed)
     check_run(directory, ranks, threads)
-    if resume:
-        if scene or force:
-            raise SceneError("--resume: goes on with the run in a directory, as it is; give that")
-        simulation = _resumed(directory, ranks, threads, until, timestep)
-    elif timestep is not None:
+    if resume and (scene or force):
+        raise SceneError("--resume: goes on with the run in a directory, as it is; give that")
+    if timestep is not None and not resume:
         raise SceneError("--timestep: goes with --resume; else give --set numerics.timestep=...")
-    else:
-        simulation = _begun(scene, directory, ranks, threads, until, force)
-    _watch(simulation, directory, until, began)
+    with Hold(directory, make=scene is not None) as held:
+        if resume:
+            simulation = _resumed(held, directory, ranks, threads, until, timestep)
+        else:
+            simulation = _begun(held, scene, directory, ranks, threads, until, force)
+        _watch(simulation, directory, until, began)
 
 
 def _begun(
-    scene: Scene | None, directory: Path, ranks: int, threads: int, until: float | None, force: bool
-) -> Simulation:
+    held: Hold, scene: Scene | None, directory: Path, ranks: int, threads: int,
+    until: float | None, force: bool,
+) -> Simulation:  # fmt: skip
     """The simulation of a scene, from its initial state."""
-    wait_for_others(directory)
     if not force:
         keep_results(directory, "--resume goes on with it, --force replaces them")
     if until is not None:
@@ -92,18 +93,21 @@ def _begun(
     with console.status("building"):
         configuration = Configuration.from_scene(scene) if scene else None
         with replaced_results(directory):
-            return Simulation(scene, directory, configuration, ranks, threads)
+            return Simulation(
+                scene, directory, configuration, ranks, threads, replace=force, held=held
+            )
 
 
 def _resumed(
-    directory: Path, ranks: int, threads: int, until: float | None, timestep: float | None
-) -> Simulation:
+    held: Hold, directory: Path, ranks: int, threads: int, until: float | None,
+    timestep: float | None,
+) -> Simulation:  # fmt: skip
     """The simulation of a run that has ended before its time."""
     if timestep is not None and not 0 < timestep < math.inf:
         raise SimulationError(f"--timestep = {timestep:g}: must be a number greater than 0")
     with console.status("resuming"):
         changed = {} if timestep is None else {"timestep": repr(timestep)}
-        simulation = Simulation.resume(directory, ranks, threads, changed)
+        simulation = Simulation.resume(directory, ranks, threads, changed, held)
     for note in simulation.notes:
         console.print(note)
     end = simulation.scene.end_time if until is None else until
@@ -179,6 +183,6 @@ def _name_files(directory: Path, ended: bool) -> None:
     for name, content in FILES.items():
         if (directory / name).exists():
             console.print(f"  {name:<16} {content}")
-    if any(directory.glob(RESTARTS)):
+    if restart_files(directory):
         go_on = "" if ended else f"; go on: skin run {directory} --resume"
         console.print(f"  {RESTARTS:<16} checkpoints{go_on}")

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from lammps_skin.ensemble import over_time
 from lammps_skin.errors import FigureError
+from lammps_skin.figures.style import plain
 from lammps_skin.observables import Table
 
 ORDERS = {"chi_H": "$\\chi_H$", "chi_G": "$\\chi_G$", "zeta": "$\\zeta$", "sigma": "$\\sigma$"}
@@ -37,6 +38,7 @@ def draw_course(axes: Axes, table: Table, column: str, **style: str) -> None:
     axes.fill_between(times, low, high, color=line.get_color(), alpha=0.2, linewidth=0)
 
 
+@plain
 def draw_courses(tables: Mapping[str, Table], columns: Mapping[str, str], across: int) -> Figure:
     """Figure with a panel for each column and a line for each table.
 
@@ -58,6 +60,7 @@ def draw_courses(tables: Mapping[str, Table], columns: Mapping[str, str], across
     return figure
 
 
+@plain
 def draw_stem_and_nd(tables: Mapping[str, Table], columns: Sequence[str]) -> Figure:
     """Figure with a row for each table and a panel for each column, for stem and ND cells."""
     figure = Figure(figsize=(4.2 * len(columns), 2.9 * len(tables)), layout="constrained")

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from lammps_skin import potentials
 from lammps_skin.analysis.geometry import Floats
+from lammps_skin.figures.style import plain
 from lammps_skin.scene import Scene
 from lammps_skin.terms import (
     TERMS,
@@ -73,6 +74,7 @@ def _stretch(scene: Scene) -> Curve:
     return Curve("x", x, membrane.stretch_stiffness * energy, 1 + d2)
 
 
+@plain
 def draw_potentials(sets: tuple[str, ...] = SETS) -> Figure:
     """Figure of all terms, with a parameter set's curve where it differs from the first's."""
     scene = Scene.load("quarter-nd-a")

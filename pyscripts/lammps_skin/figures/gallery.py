@@ -9,12 +9,14 @@ from matplotlib.figure import Figure
 
 from lammps_skin.figures.moments import last_time, read_moments
 from lammps_skin.figures.snapshot import draw_view, kinds_of, legend
+from lammps_skin.figures.style import plain
 from lammps_skin.kinds import CELLS
 
 WIDTH = 600  # of a panel, pixels
 PARTS_OF_THE_TIME = (0.1, 0.3, 0.6, 1.0)
 
 
+@plain
 def draw_run(run: Path) -> Figure:
     """One run at several times: stem cells alone, and all cells below."""
     end = last_time(run)
@@ -28,6 +30,7 @@ def draw_run(run: Path) -> Figure:
     return figure
 
 
+@plain
 def draw_scenes(runs: Mapping[str, Path]) -> Figure:
     """Several runs at their start and, below, at their end: stem and ND cells."""
     kinds = kinds_of(["stem", "nd"])

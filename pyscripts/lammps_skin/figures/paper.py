@@ -10,8 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from lammps_skin.build import load_built
-from lammps_skin.ensemble import Member, members, with_seed
+from lammps_skin.ensemble import Member, member_of, members, with_seed
 from lammps_skin.errors import FigureError, SkinError
 from lammps_skin.figures.courses import ORDERS, TISSUE, draw_courses, draw_stem_and_nd
 from lammps_skin.figures.curves import draw_potentials
@@ -127,7 +126,7 @@ class Request:
         if there is not None and self.seeds is None:
             return []
         wanted = members([scene], list(self.seeds or SEEDS), self.folder)
-        return [m for m in wanted if there is None or m.scene.seed not in there["seed"]]
+        return [m for m in wanted if there is None or m.seed not in there["seed"]]
 
     def _gathered(self, scene: Scene) -> Table | None:
         path = Member(scene, self.folder).gathered
@@ -137,7 +136,7 @@ class Request:
         """Rows of the wanted seeds, from the gathered table and from runs that are not in it."""
         there = self._gathered(scene)
         parts = [] if there is None else [there]
-        parts += [with_seed(load(m.table), m.scene.seed) for m in self._wanted(scene)]
+        parts += [with_seed(load(m.table), m.seed) for m in self._wanted(scene)]
         if len({part.dtype.names for part in parts}) > 1:
             raise FigureError(
                 f"tables of {scene.name} in {self.folder}: have different columns; gather them "
@@ -160,11 +159,11 @@ def run_of(member: Member) -> Path | None:
     """Directory of a complete run of a member: of the ensemble, or of `skin run`."""
     for directory in (member.directory, OF_THE_COMMAND / member.scene.name):
         try:
-            same = Member(load_built(directory), member.folder)
+            same = member_of(directory, member.folder)
             left = same.scene.end_time - last_time(directory)
         except SkinError:
             continue
-        wanted = (same.key, same.scene.seed) == (member.key, member.scene.seed)
+        wanted = (same.key, same.seed) == (member.key, member.seed)
         if wanted and left < same.scene.output.dump_interval:
             return directory
     return None

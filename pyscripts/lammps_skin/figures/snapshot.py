@@ -15,6 +15,7 @@ from lammps_skin.figures.moments import Moment, Source, read_moments
 from lammps_skin.figures.palette import COLOURS, NAMES
 from lammps_skin.figures.plane import draw_heights, draw_section, highest_stem
 from lammps_skin.figures.scenery import view
+from lammps_skin.figures.style import plain
 from lammps_skin.keys import near
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.output import completed
@@ -66,6 +67,7 @@ VIEWS: dict[str, Callable[[Axes, Moment, Sequence[Kind], float], None]] = {
 }
 
 
+@plain
 def snapshot(
     source: Source, time: float | None, path: str | Path, view: str = "3d",
     show: Sequence[str] = tuple(SHOWN), y: float | None = None,
@@ -124,6 +126,7 @@ def check_output(path: str | Path) -> Path:
     return path
 
 
+@plain
 def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure."""
     path = check_output(path)

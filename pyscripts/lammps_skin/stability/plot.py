@@ -9,11 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from lammps_skin.figures.style import plain
 from lammps_skin.stability.report import Row
 
 HEIGHT, WIDTH = 4.0, 3.4  # inches of a panel
 
 
+@plain
 def draw(rows: Sequence[Row], title: str) -> Figure:
     """A panel for each that is varied; full lines are found, dashed ones estimated."""
     varied = list(dict.fromkeys(row.varied for row in rows))

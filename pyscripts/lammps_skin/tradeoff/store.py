@@ -6,8 +6,6 @@ import hashlib
 import json
 import os
 from collections.abc import Mapping
-from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,8 +13,8 @@ import numpy as np
 
 from lammps_skin.engine import Motion
 from lammps_skin.errors import SkinError
-from lammps_skin.plugin import folder as plugin_folder
 from lammps_skin.scene import Scene
+from lammps_skin.versions import versions
 
 VERSION = 1  # to be raised when what is measured means something else
 NOT_FORCES = {"name", "description", "end_time", "output"}  # keys that no trajectory depends on
@@ -68,16 +66,9 @@ def physics(scene: Scene) -> dict[str, Any]:
 
 
 def digest(*content: object) -> str:
-    """Hash of plain data, of the version of the package and of the plugin."""
-    text = json.dumps([VERSION, version("lammps-skin"), _plugin(), *content], sort_keys=True)
+    """Hash of plain data, and of the versions of LAMMPS, of the package and of the plugin."""
+    text = json.dumps([VERSION, versions(), *content], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:12]
-
-
-@cache
-def _plugin() -> str:
-    """Hash of the plugin."""
-    paths = sorted(Path(plugin_folder()).glob("*.so"))
-    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()
 
 
 class Store:

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lammps_skin.build import load_built
-from lammps_skin.errors import SkinError
+from lammps_skin.errors import DamagedError, SkinError
+from lammps_skin.files import set_aside
 from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.store import DUMP, STORE, Store, trajectory_of
@@ -26,7 +27,7 @@ def convert(directory: str | Path, output: str | Path | None = None) -> Converte
     """Write the trajectory of a run as HDF5, see docs/trajectory.md.
 
     If a run that Python drove was resumed with `lmp`, skin.h5 has the frames before the dump's
-    first, and they are kept. A skin.h5 that cannot be read gets another name.
+    first, and they are kept. A skin.h5 that is damaged gets another name.
 
     Parameters
     ----------
@@ -76,9 +77,9 @@ def _earlier(directory: Path, dump: Dump, replacing: bool) -> bool:
         return False
     try:
         steps = Store(path).steps
-    except SkinError:
+    except DamagedError:
         if replacing:
-            path.replace(path.with_name(f"{STORE}.damaged"))
+            set_aside(path)
         return False
     if not len(steps):
         return False

@@ -9,14 +9,15 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from lammps_skin.errors import SkinError
+from lammps_skin.errors import DamagedError, SkinError
+from lammps_skin.files import set_aside
 from lammps_skin.scene import Scene
 from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.frame import Frame
 from lammps_skin.trajectory.store import DUMP, STORE, Store, trajectory_of
-from lammps_skin.trajectory.writer import TrajectoryWriter, reason
+from lammps_skin.trajectory.writer import Note, TrajectoryWriter, reason
 
 
 class Recorder:
@@ -44,7 +45,8 @@ class Recorder:
         self._scene = scene
         self._variables = dict(variables)
         self._interval = interval("dump_interval", scene, variables)
-        self._missing: list[Frame] | None = None  # in skin.h5.next; None: it has to be made
+        self._notes: list[Note] = []  # not yet in skin.h5
+        self._missing: list[Frame | Note] | None = None  # in skin.h5.next; None: has to be made
         self._last_step: int | None = None  # None: skin.h5 has to be made
 
     def stops(self, engine: Any, step: int) -> Iterator[int]:
@@ -62,7 +64,7 @@ class Recorder:
         due = self._counted(engine) % every == 0
         try:
             if self._last_step is None:
-                self._last_step = self._begin(step)
+                self._last_step = self._begin(step, engine.time())
             if due and step != self._last_step:
                 sides = self._scene.box_sides
                 self._add(
@@ -70,12 +72,25 @@ class Recorder:
                 )
                 self._last_step = step
         except OSError as error:
-            raise SkinError(f"trajectory {self.path}: {reason(error)}") from None
+            raise self._failure(error) from None
 
-    def close(self) -> None:
-        """Leave skin.h5 alone behind."""
-        self._missing = None
-        self._next.unlink(missing_ok=True)
+    def note(self, engine: Any, text: str) -> None:
+        """Have a line in the history that skin.h5 holds: something was changed at this moment."""
+        self._notes.append(Note(engine.step(), engine.time(), text))
+
+    def close(self, sound: bool = True) -> None:
+        """Leave skin.h5 alone behind; with all notes in it, if the run has ended well."""
+        try:
+            if sound and self._notes and self._last_step is not None:
+                self._add()
+            self._next.unlink(missing_ok=True)
+        except OSError as error:
+            raise self._failure(error) from None
+        finally:
+            self._missing = None
+
+    def _failure(self, error: OSError) -> SkinError:
+        return SkinError(f"trajectory {self.path}: {reason(error)}")
 
     def _every(self, engine: Any) -> int:
         """Steps between frames; 0 for none."""
@@ -85,7 +100,7 @@ class Recorder:
         """The step that it would be if all had been as long as this one: frames keep to times."""
         return round(engine.time() / engine.timestep())
 
-    def _begin(self, step: int) -> int:
+    def _begin(self, step: int, time: float) -> int:
         """Make a skin.h5 that goes on at a step; the step of its last frame, -1 without any.
 
         It has the frames of a dump that came before, so that a dump that comes after is known by
@@ -95,9 +110,11 @@ class Recorder:
         resumed = "restart" in self._variables
         if resumed and self._is_in_dump(directory):
             convert(directory)
+        self._next.unlink(missing_ok=True)
         if resumed and self.path.exists():
             shutil.copyfile(self.path, self._next)
             writer = TrajectoryWriter.append(self._next, until=step)
+            writer.go_on(step, time, self._variables)
         else:
             members = connectivity(directory)
             writer = TrajectoryWriter(self._next, self._scene, *members, variables=self._variables)
@@ -112,28 +129,37 @@ class Recorder:
         last = dump.exists() and trajectory_of(directory) == dump
         return last and len(Dump(dump, self._scene.kinds)) > 0
 
-    def _add(self, frame: Frame) -> None:
-        """Add to skin.h5.next what it lacks and this frame, and let the two change places."""
+    def _add(self, *frames: Frame) -> None:
+        """Add to skin.h5.next what it lacks and a frame, and let the two change places.
+
+        Where the former skin.h5 can have no second name, it is gone, and the next is a copy.
+        """
+        news: list[Frame | Note] = [*self._notes, *frames]
         with self._writer() as writer:
-            missing, self._missing = self._missing or [], None
-            for one in (*missing, frame):
-                writer.write(one)
+            missing, self._missing = [*(self._missing or []), *news], None
+            for one in missing:
+                writer.add(one)
         former = self.path.with_name(f"{STORE}.former")
         former.unlink(missing_ok=True)
-        os.link(self.path, former)
-        self._next.replace(self.path)
-        former.replace(self._next)
-        self._missing = [frame]
+        try:
+            os.link(self.path, former)
+        except OSError:  # a file system without hard links
+            self._next.replace(self.path)
+        else:
+            self._next.replace(self.path)
+            former.replace(self._next)
+            self._missing = news
+        self._notes = []
 
     def _writer(self) -> TrajectoryWriter:
         """Writer of skin.h5.next.
 
         Whoever opened skin.h5 when that was its name may still read it: HDF5 then refuses, and
-        a copy is taken.
+        a copy is taken. So it is where files cannot be locked.
         """
         if self._missing is not None:
             try:
-                return TrajectoryWriter.append(self._next)
+                return TrajectoryWriter.append(self._next, alone=True)
             except OSError:
                 self._missing = None
         self._next.unlink(missing_ok=True)
@@ -159,23 +185,27 @@ def steps_between(interval: float, engine: Any) -> int:
 
 
 def set_aside_if_damaged(directory: Path) -> str | None:
-    """Read all frames of skin.h5; if that fails, give it another name, and say so in a line.
+    """Read all frames of skin.h5; if it is damaged, give it another name, and say so in a line.
 
-    After a kill there is skin.h5.next, which takes its place.
+    After a kill there is skin.h5.next, which takes its place. Raises `SkinError` for a file that
+    cannot be read now, as one that somebody else has locked: it may be whole.
     """
     path, spare = directory / STORE, directory / f"{STORE}.next"
     if not path.exists() or _is_whole(path):
         return None
-    aside = path.with_name(f"{STORE}.damaged")
-    path.replace(aside)
-    if spare.exists() and _is_whole(spare):
+    takes_over = spare.exists() and _is_whole(spare)
+    aside = set_aside(path)
+    if takes_over:
         spare.replace(path)
-        return f"trajectory {path}: was damaged; {spare.name}, which can lack a frame, replaces it"
+        return (
+            f"trajectory {path}: was damaged, now {aside.name}; {spare.name}, which can lack a "
+            "frame, replaces it"
+        )
     return f"trajectory {path}: is damaged, now {aside.name}; a new one begins at the checkpoint"
 
 
 def _is_whole(path: Path) -> bool:
     try:
         return all(len(frame.ids) for frame in Store(path))
-    except (SkinError, OSError, RuntimeError, KeyError, ValueError):
+    except DamagedError:
         return False

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import h5py
 import numpy as np
@@ -20,11 +20,23 @@ from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.scene import Scene
 from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, WHOLE, Frame, Ints
+from lammps_skin.trajectory.hdf5 import open_hdf5
+from lammps_skin.versions import versions
 
 GROUP = "particles/trajectory"
 SLOTS_PER_CHUNK = 4096
 PACKED = {"compression": "gzip", "shuffle": True}
 BOUNDARY = ("periodic", "periodic", "none")
+HISTORY = "parameters/history"
+NOTE = np.dtype([("step", "i8"), ("time", "f8"), ("text", h5py.string_dtype())])
+
+
+class Note(NamedTuple):
+    """A moment of a run at which something was changed from outside, and what."""
+
+    step: int
+    time: float
+    text: str
 
 
 class TrajectoryWriter:
@@ -55,7 +67,7 @@ class TrajectoryWriter:
         author: str | None = None, variables: Mapping[str, object] | None = None,
     ) -> None:  # fmt: skip
         self._path = Path(path)
-        self._file = h5py.File(path, "w")
+        self._file = open_hdf5(path, "w")
         self._frames, self._slots, self._last_step = 0, 0, -1
         self._describe(scene, author or _login(), variables or {})
         self._particles = self._file.create_group(GROUP)
@@ -65,11 +77,14 @@ class TrajectoryWriter:
             dataset.attrs["particles_group"] = self._particles.ref
 
     @classmethod
-    def append(cls, path: str | Path, until: int | None = None) -> Self:
-        """Open a file to write more frames to it; those after the step `until` are cut off."""
+    def append(cls, path: str | Path, until: int | None = None, alone: bool = False) -> Self:
+        """Open a file to write more frames to it; those after the step `until` are cut off.
+
+        With `alone`, `OSError` is raised unless it is sure that nobody else has it open.
+        """
         writer = cls.__new__(cls)
         writer._path = Path(path)
-        writer._file = h5py.File(path, "r+")
+        writer._file = h5py.File(path, "r+") if alone else open_hdf5(path, "r+")
         try:
             writer._particles = writer._file[GROUP]
             steps = writer._particles["position/step"][:]
@@ -80,6 +95,9 @@ class TrajectoryWriter:
         kept = len(steps) if until is None else int(np.searchsorted(steps, until, side="right"))
         if kept < len(steps):
             writer._cut(kept)
+        if until is not None and HISTORY in writer._file:
+            history = writer._file[HISTORY]
+            history.resize(int((history["step"] <= until).sum()), axis=0)
         writer._last_step = int(steps[kept - 1]) if kept else -1
         return writer
 
@@ -112,6 +130,25 @@ class TrajectoryWriter:
     def last_step(self) -> int:
         """Step of the last frame, -1 if there is none."""
         return self._last_step
+
+    def add(self, one: Frame | Note) -> None:
+        """Append a frame, or a line to the history."""
+        if isinstance(one, Frame):
+            self.write(one)
+        else:
+            self._note(one)
+
+    def go_on(self, step: int, time: float, variables: Mapping[str, object]) -> None:
+        """State what counts from a moment on: variables and versions; the history tells of it."""
+        parameters = self._file["parameters"]
+        changed = []
+        for name, values in (("variables", variables), ("versions", _versions())):
+            attributes = parameters.require_group(name).attrs
+            for key, value in values.items():
+                if attributes.get(key) != str(value):
+                    attributes[key] = str(value)
+                    changed.append(f"{key} = {value}")
+        self._note(Note(step, time, f"resumed with {', '.join(changed) or 'nothing changed'}"))
 
     def write(self, frame: Frame) -> None:
         """Append a frame; raises `SkinError` unless its step is after that of the last one."""
@@ -158,6 +195,13 @@ class TrajectoryWriter:
             dataset = self._particles[name]["value"]
             dataset.resize((frames, self._slots, *dataset.shape[2:]))
 
+    def _note(self, note: Note) -> None:
+        if HISTORY not in self._file:
+            self._file.create_dataset(HISTORY, (0,), NOTE, maxshape=(None,), chunks=(64,))
+        history = self._file[HISTORY]
+        history.resize(len(history) + 1, axis=0)
+        history[-1] = tuple(note)
+
     def _create_elements(self) -> None:
         position = self._create("position", np.nan, "f8", (3,))
         position.create_dataset("step", (0,), "i8", maxshape=(None,), chunks=(1024,))
@@ -203,12 +247,16 @@ class TrajectoryWriter:
         for kind in Kind:
             kinds[kind.label] = int(kind)
         versions = parameters.create_group("versions").attrs
-        versions["python"] = platform.python_version()
-        for package in ("lammps-skin", "lammps", "numpy", "h5py"):
-            versions[package] = version(package)
-        commit = source_commit()
-        if commit:
-            versions["commit"] = commit
+        for name, value in _versions().items():
+            versions[name] = value
+
+
+def _versions() -> dict[str, str]:
+    """Versions of what writes a file, and the commit of the source tree if there is one."""
+    found = {"python": platform.python_version(), **versions()}
+    found |= {name: version(name) for name in ("numpy", "h5py")}
+    commit = source_commit()
+    return {**found, "commit": commit} if commit else found
 
 
 def source_commit() -> str | None:
