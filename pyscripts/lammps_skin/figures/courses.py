@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from lammps_skin.ensemble import over_time
 from lammps_skin.errors import FigureError
-from lammps_skin.figures.style import plain
 from lammps_skin.observables import Table
+from lammps_skin.style import plain
 
 ORDERS = {"chi_H": "$\\chi_H$", "chi_G": "$\\chi_G$", "zeta": "$\\zeta$", "sigma": "$\\sigma$"}
 TISSUE = {

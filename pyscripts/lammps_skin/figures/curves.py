@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from lammps_skin import potentials
 from lammps_skin.analysis.geometry import Floats
-from lammps_skin.figures.style import plain
 from lammps_skin.scene import Scene
+from lammps_skin.style import plain
 from lammps_skin.terms import (
     TERMS,
     adhesion_stiffness,

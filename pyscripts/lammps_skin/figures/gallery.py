@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from lammps_skin.figures.moments import last_time, read_moments
 from lammps_skin.figures.snapshot import draw_view, kinds_of, legend
-from lammps_skin.figures.style import plain
 from lammps_skin.kinds import CELLS
+from lammps_skin.style import plain
 
 WIDTH = 600  # of a panel, pixels
 PARTS_OF_THE_TIME = (0.1, 0.3, 0.6, 1.0)

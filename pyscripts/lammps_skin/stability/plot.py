@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from lammps_skin.figures.style import plain
 from lammps_skin.stability.report import Row
+from lammps_skin.style import plain
 
 HEIGHT, WIDTH = 4.0, 3.4  # inches of a panel
 

@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator
 
 from lammps_skin.accuracy import LEVELS
 from lammps_skin.analysis.geometry import Floats
-from lammps_skin.figures.style import plain
+from lammps_skin.style import plain
 from lammps_skin.tradeoff.report import Report, Row
 
 STYLES = tuple(f"C{n % 10}{'osD^v'[n // 10]}" for n in range(50))  # of the points of variants
