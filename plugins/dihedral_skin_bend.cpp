@@ -14,7 +14,6 @@
 #include "neighbor.h"
 #include "update.h"
 
-#include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
@@ -28,7 +27,7 @@ static constexpr double DEGREES = 180.0 / 3.14159265358979323846;
 /* ---------------------------------------------------------------------- */
 
 DihedralSkinBend::DihedralSkinBend(LAMMPS *lmp) :
-    Dihedral(lmp), stiffness(nullptr), triangles(lmp), ninverted(0.0)
+    Dihedral(lmp), stiffness(nullptr), triangles(lmp), ninverted(0.0), turned(lmp, INVERTED)
 {
   writedata = 1;
   centroidstressflag = CENTROID_NOTAVAIL;
@@ -101,25 +100,12 @@ void DihedralSkinBend::add_stiffness(double *sum) const
 }
 
 /* ----------------------------------------------------------------------
-   cosine of the angle of the smallest fold of a triangle against the three around it
+   whether there is an inverted triangle at the positions of the last compute(), on any rank
 ------------------------------------------------------------------------- */
 
-double DihedralSkinBend::least_fold(int t) const
+bool DihedralSkinBend::find_inverted()
 {
-  return std::max({cosine(t, 0), cosine(t, 1), cosine(t, 2)});
-}
-
-/* ----------------------------------------------------------------------
-   a triangle of the last compute() that is folded far over against all three around it, so
-   that it has been turned over, or -1
-------------------------------------------------------------------------- */
-
-int DihedralSkinBend::find_inverted() const
-{
-  if (ninverted == 0.0) return -1;
-  for (int t = 0; t < (int) triangles.all.size(); t++)
-    if (least_fold(t) < INVERTED) return t;
-  return -1;
+  return turned.find(triangles, normal.data(), ninverted > 0.0);
 }
 
 /* ----------------------------------------------------------------------
@@ -166,16 +152,14 @@ void DihedralSkinBend::tally_virial()
 
 /* ---------------------------------------------------------------------- */
 
-void DihedralSkinBend::inverted(int t, double duration, bool at_start) const
+void DihedralSkinBend::inverted(double duration, bool at_start) const
 {
-  const int *corner = triangles.all[t].corner;
-  const tagint *tag = atom->tag;
-  error->one(FLERR,
+  error->all(FLERR,
              "Dihedral skin/bend: the triangle of atoms {} {} {} is inverted on step {}: its "
-             "folds against the three around it are {} degrees and more, above {}, and there have "
+             "folds against those around it are {} degrees and more, above {}, and there have "
              "been inverted ones for {} time units{}",
-             tag[corner[0]], tag[corner[1]], tag[corner[2]], update->ntimestep,
-             std::acos(least_fold(t)) * DEGREES, std::acos(INVERTED) * DEGREES, duration,
+             turned.corner[0], turned.corner[1], turned.corner[2], update->ntimestep,
+             std::acos(turned.cosine) * DEGREES, std::acos(INVERTED) * DEGREES, duration,
              skin_remedy(update, at_start));
 }
 

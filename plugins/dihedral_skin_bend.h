@@ -4,6 +4,7 @@
 #include "dihedral.h"
 
 #include "skin_build.h"
+#include "skin_inverted.h"
 #include "skin_triangles.h"
 
 #include <string>
@@ -25,8 +26,8 @@ class DihedralSkinBend : public Dihedral {
   void *extract(const char *, int &) override;
   double memory_usage() override;
   void add_stiffness(double *) const;
-  int find_inverted() const;
-  void inverted(int, double, bool at_start) const;
+  bool find_inverted();
+  void inverted(double, bool at_start) const;
 
  private:
   double *stiffness;
@@ -35,6 +36,7 @@ class DihedralSkinBend : public Dihedral {
   SkinBuild build;                  // that the triangles belong to
   std::vector<double> normal;       // of each triangle: unit normal, 1 / length of the other
   double ninverted;                 // of the last compute(), or a little more
+  SkinInverted turned;
 
   void allocate();
   double cosine(int, int) const;
@@ -42,7 +44,6 @@ class DihedralSkinBend : public Dihedral {
   void tally_virial();
   void degenerate(int);
   void check(double, const std::string &) const;
-  double least_fold(int) const;
 };
 
 }    // namespace LAMMPS_NS

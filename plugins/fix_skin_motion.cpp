@@ -199,10 +199,10 @@ void FixSkinMotion::final_integrate()
 {
   for (const PairSkin *pair : pairs) pair->check_overlap();
   if (!bend) return;
-  const int t = bend->find_inverted();
-  inverted_time = t < 0 ? 0.0 : inverted_time + update->dt;
-  inverted_at_start = inverted_at_start && t >= 0;
-  if (inverted_time > LONGEST_INVERTED) bend->inverted(t, inverted_time, inverted_at_start);
+  const bool found = bend->find_inverted();
+  inverted_time = found ? inverted_time + update->dt : 0.0;
+  inverted_at_start = inverted_at_start && found;
+  if (inverted_time > LONGEST_INVERTED) bend->inverted(inverted_time, inverted_at_start);
 }
 
 /* ----------------------------------------------------------------------

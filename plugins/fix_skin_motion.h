@@ -71,7 +71,7 @@ class FixSkinMotion : public Fix {
     int rank;
   };
   int offender;              // my particle that moved furthest, or -1
-  double inverted_time;      // for how long I have had an inverted triangle
+  double inverted_time;      // for how long there have been inverted triangles
   bool inverted_at_start;    // since before the first step
 
   struct Term {

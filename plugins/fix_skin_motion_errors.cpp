@@ -38,7 +38,7 @@ void FixSkinMotion::setup_pre_force(int /*vflag*/)
 
 void FixSkinMotion::setup(int /*vflag*/)
 {
-  if (inverted_time == 0.0) inverted_at_start = bend && bend->find_inverted() >= 0;
+  if (inverted_time == 0.0) inverted_at_start = bend && bend->find_inverted();
 }
 
 /* ---------------------------------------------------------------------- */

@@ -28,6 +28,7 @@ void SkinTriangles::build()
   }
   pair_up();
   find_reach();
+  find_partial();
 }
 
 /* ----------------------------------------------------------------------
@@ -141,9 +142,20 @@ void SkinTriangles::find_reach()
 
 /* ---------------------------------------------------------------------- */
 
+void SkinTriangles::find_partial()
+{
+  partial.clear();
+  for (int t = 0; t < (int) all.size(); t++) {
+    const int *const across = all[t].across;
+    if (std::find(across, across + 3, t) != across + 3) partial.push_back(t);
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
 double SkinTriangles::memory_usage() const
 {
   return (double) (all.capacity() + found.capacity()) * sizeof(SkinTriangle) +
       (double) (first_of_vertex.capacity() + next_of_triangle.capacity() + place.capacity() +
-                reach.capacity()) * sizeof(int);
+                reach.capacity() + partial.capacity()) * sizeof(int);
 }

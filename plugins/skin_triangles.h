@@ -27,6 +27,10 @@ class SkinTriangles : protected Pointers {
   std::vector<SkinTriangle> all;
   int npairs = 0;
 
+  // triangles with a link that has no dihedral here
+
+  std::vector<int> partial;
+
   // pairs are taken in blocks; the triangles around those of a block are below its reach, or have
   // no partner
 
@@ -43,6 +47,7 @@ class SkinTriangles : protected Pointers {
   void pair_up();
   void put(int, int);
   void find_reach();
+  void find_partial();
 };
 
 }    // namespace LAMMPS_NS
