@@ -26,7 +26,7 @@ demo: $(INSTALLED)
 	$(BIN)/skin snapshot runs/demo --view all -o runs/demo/demo.png
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n auto --maxprocesses 4
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 science: $(INSTALLED)
 	$(BIN)/python -m pytest -m slow

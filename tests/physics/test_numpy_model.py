@@ -205,7 +205,10 @@ def test_crowded_scene_reaches_every_branch(crowded: State) -> None:
     assert set(crowded.divisions_left[crowded.where("T")]) == {0, 1, 2, 3}
 
 
-@pytest.mark.parametrize("name", SETS)
+LONGER = [pytest.param(name, marks=pytest.mark.slow) for name in ("papilla", "weak5")]
+
+
+@pytest.mark.parametrize("name", ["printed", "direct5", *LONGER])
 def test_forces_are_central_differences(crowded: State, name: str) -> None:
     """Each term's forces are minus the central differences of its energy."""
     parameters, step = named(name), 1e-5
