@@ -1,5 +1,6 @@
 """fix skin/motion beside other commands: what works as it should, and what is refused."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,9 @@ from lammps_skin.engine import open_lammps
 from lammps_skin.scene import Scene
 from lammps_skin.simulation import Simulation
 
-from tests.reliability.conftest import try_script
+from tests.reliability.conftest import run_script, try_script
 
+LINK = "0.04 2.0 1.25 0.25 1.0"
 HYBRID = (
     "bond_style hybrid skin/stretch",
     "bond_coeff 1 skin/stretch 0.04 2.0 1.25 0.25 1.0",
@@ -226,3 +228,91 @@ def test_a_timestep_where_it_is_the_cause(commands: str, recommended: bool, tmp_
     assert "link of atoms" in error
     assert ("try a smaller timestep than" in error) == recommended
     assert ("the state that this run began with" in error) != recommended
+
+
+# ---- links that change
+
+
+def test_links_of_another_style(tmp_path: Path) -> None:
+    """In a hybrid style, links of `zero` are as those without stiffness; on 2 ranks, too."""
+    ends = []
+    none, ours = "bond_coeff 2 zero 1", "bond_coeff 1 skin/stretch {c}"
+    for name, ranks, commands in (
+        ("alone", 1, "bond_style skin/stretch\nbond_coeff 1 {c}\nbond_coeff 2 0.0 2 1.25 0.25 1"),
+        ("hybrid", 1, f"bond_style hybrid skin/stretch zero\n{ours}\n{none}"),
+        ("ranks", 2, f"bond_style hybrid zero skin/stretch\n{ours}\n{none}"),
+    ):
+        folder = tmp_path / name
+        scene, configuration = sheet(**{"numerics.stiffness_limit": 5.0})
+        build(scene, folder, configuration)
+        data = (folder / "skin.data").read_text().replace("1 bond types", "2 bond types")
+        (folder / "skin.data").write_text(data)
+        script = (folder / "membrane.in").read_text()
+        (folder / "membrane.in").write_text(
+            re.sub(r"bond_style.*\nbond_coeff.*\n", commands.format(c=LINK) + "\n", script)
+        )
+        setup = (folder / "skin.in").read_text().rsplit("run ", 1)[0]
+        run_script(
+            folder,
+            f"{setup}\ngroup far id > 500\nset group far bond 2\nrun 8\n"
+            "write_dump all custom end id x y z modify sort id format float %.17g",
+            ranks=ranks,
+        )
+        ends.append(np.loadtxt(folder / "end", skiprows=9)[:, 1:])
+    for other in ends[1:]:
+        np.testing.assert_allclose(other, ends[0], rtol=0, atol=1e-11)
+
+
+CHANGES = (
+    "fix change all bond/break 3 1 0.56",
+    "delete_bonds all bond 1 remove",
+)
+
+
+@pytest.mark.parametrize("command", CHANGES)
+def test_links_that_break(command: str) -> None:
+    """Energies and forces at the end of a run are those of the links that are there then."""
+    scene, configuration = sheet()
+    with Simulation(scene, configuration=configuration) as simulation:
+        simulation.command("compute count all property/local btype")
+        simulation.command("compute links all reduce sum c_count inputs local")
+        before = simulation.energies()["stretch"]
+        for line in (command, "run 8"):
+            simulation.command(line)
+        end = simulation.energies()["stretch"], simulation.forces().forces
+        if "fix" in command:
+            simulation.command("unfix change")
+        simulation.command("run 0")
+        again = simulation.energies()["stretch"], simulation.forces().forces
+    assert abs(end[0] - before) > 0.1
+    assert end[0] == pytest.approx(again[0], rel=1e-12, abs=1e-12)
+    np.testing.assert_allclose(end[1], again[1], rtol=0, atol=1e-11 * np.abs(again[1]).max())
+
+
+def test_coefficients_that_change_in_a_run() -> None:
+    """fix adapt, against a run for each step with the coefficients of its beginning."""
+    scene, configuration = sheet(**{"numerics.accuracy": "reference", "numerics.largest_move": 0.0})
+    steps = 12
+    with Simulation(scene, configuration=configuration) as simulation:
+        simulation.command("variable k equal 0.04*(1.0+0.2*step)")
+        simulation.command("variable kb equal 0.5/(1.0+0.2*step)")
+        simulation.command(
+            "fix change all adapt 1 bond skin/stretch K 1 v_k dihedral skin/bend K 1 v_kb"
+        )
+        simulation.command(f"run {steps}")
+        adapted = simulation.forces().positions
+    with Simulation(scene, configuration=configuration) as simulation:
+        for step in range(steps):
+            growth = 1 + 0.2 * step
+            simulation.command(f"bond_coeff 1 {0.04 * growth:.17g} {LINK[5:]}")
+            simulation.command(f"dihedral_coeff 1 {0.5 / growth:.17g}")
+            simulation.command("run 1")
+        given = simulation.forces().positions
+    with Simulation(scene, configuration=configuration) as simulation:
+        simulation.command(f"run {steps}")
+        constant = simulation.forces().positions
+    box = np.array(configuration.box)[:2]
+    for other in (given, constant):
+        other[:, :2] -= box * np.round((other - adapted)[:, :2] / box)
+    np.testing.assert_allclose(adapted, given, rtol=0, atol=1e-12)
+    assert np.abs(adapted - constant).max() > 1e-4
