@@ -5,6 +5,7 @@
 
 import re
 import tomllib
+from collections import Counter
 from itertools import groupby
 from pathlib import Path
 
@@ -15,8 +16,10 @@ BEGIN, END = "<!-- tables: tests/compatibility/page.py -->\n", "<!-- end of the 
 
 
 def tables() -> str:
-    """One table of each family."""
-    parts = []
+    """How many commands there are, and one table of each family."""
+    results = Counter(row.result for row in table())
+    counts = ", ".join(f"{n} {result}" for result, n in results.most_common())
+    parts = [f"{results.total()} commands: {counts}.\n\n"]
     for family, rows in groupby(table(), key=lambda row: row.family):
         title = tomllib.loads(FAMILIES[family].read_text("utf-8"))["title"]
         parts.append(f"### {title}\n\n| command | result | |\n| --- | --- | --- |\n")
