@@ -4,12 +4,15 @@
 
 #include "fix_skin_cells.h"
 
+#include "fix_skin_cells_record.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
 #include "memory.h"
+#include "modify.h"
 #include "neighbor.h"
 #include "update.h"
 
@@ -27,9 +30,9 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     adhesion_stiffness(0.0), adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0),
     cycle_rate(0.0), first_phase(0.0), spring_stiffness(0.0), spring_start(0.0),
     spring_rate(0.0), spring_end(0.0),
-    half_separation(0.0), generations(0), every(1), next_id(0), births(0), deaths(0), state{},
-    log(lmp), log_position(-1), setup_time(0.0), time_offset(0.0), energy{}, energy_all{},
-    energy_summed(false), nmax(0), built_call(-1), built_step(-1)
+    half_separation(0.0), generations(0), every(1), inherited_groups(0), next_id(0), births(0),
+    deaths(0), state{}, log(lmp), log_position(-1), setup_time(0.0), time_offset(0.0),
+    known_atoms(0), energy{}, energy_all{}, energy_summed(false), nmax(0), rearranged(true)
 {
   parse(narg, arg);
 
@@ -39,7 +42,9 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
   nevery = 1;
   time_depend = 1;
   virial_global_flag = virial_peratom_flag = 1;
-  energy_global_flag = 1;
+  energy_global_flag = energy_peratom_flag = 1;
+  create_attribute = stores_ids = 1;
+  maxexchange = NCOLUMNS;
 
   scalar_flag = 1;
   extscalar = 1;
@@ -51,12 +56,16 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
   peratom_flag = 1;
   size_peratom_cols = NCOLUMNS;
   peratom_freq = 1;
+  grow_arrays(atom->nmax);
+  atom->add_callback(Atom::GROW);
 }
 
 /* ---------------------------------------------------------------------- */
 
 FixSkinCells::~FixSkinCells()
 {
+  if (modify->get_fix_by_id(id) == this) leave_record();
+  atom->delete_callback(id, Atom::GROW);
   memory->destroy(array_atom);
 }
 
@@ -73,8 +82,6 @@ int FixSkinCells::setmask()
 void FixSkinCells::init()
 {
   if (!force->newton) error->all(FLERR, "Fix skin/cells needs newton on");
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix skin/cells does not work with run_style respa");
   if (atom->molecular != Atom::MOLECULAR || atom->maxspecial < 1)
     error->all(FLERR, "Fix skin/cells needs an atom style with bonds, such as molecular");
   if (force->special_lj[1] != 0.0 || force->special_coul[1] != 0.0)
@@ -90,18 +97,11 @@ void FixSkinCells::init()
                "membrane particle would not be exact; it got every {} delay {} check {}",
                neighbor->every, neighbor->delay, neighbor->dist_check ? "yes" : "no");
 
-  built_call = built_step = -1;
   refresh_state();
+  check_others();
+  skip_used_ids();
   for (int i = 0; i < atom->nlocal; i++) check_cell(i);
   check_pairs();
-
-  // ids are never used twice, also not those of the dead
-
-  tagint highest = 0, highest_all;
-  for (int i = 0; i < atom->nlocal; i++) highest = std::max(highest, atom->tag[i]);
-  MPI_Allreduce(&highest, &highest_all, 1, MPI_LMP_TAGINT, MPI_MAX, world);
-  next_id = std::max(next_id, (bigint) highest_all + 1);
-
   log.open(log_position);
 }
 
@@ -129,17 +129,6 @@ int FixSkinCells::kind_of(int i) const
 double FixSkinCells::time_of_step(bigint step) const
 {
   return update->atime + (double) (step - update->atimestep) * update->dt;
-}
-
-/* ----------------------------------------------------------------------
-   special neighbors are made from bonds alone when atoms are read: put dividing pairs back in
-------------------------------------------------------------------------- */
-
-void FixSkinCells::setup_pre_neighbor()
-{
-  refresh_state();
-  for (int i = 0; i < atom->nlocal; i++)
-    if (kind_of(i) != NONE) hide_pair(i);
 }
 
 /* ----------------------------------------------------------------------
@@ -180,10 +169,8 @@ void FixSkinCells::forget_detached_after(double offset)
 
 void FixSkinCells::setup_pre_reverse(int eflag, int vflag)
 {
-  setup_time = time_of_step(update->ntimestep);
+  known_atoms = atom->natoms;
   check_reach();
-  refresh_state();
-  for (int i = 0; i < atom->nlocal; i++) schedule_first(i);
   pre_reverse(eflag, vflag);
 }
 
@@ -208,15 +195,20 @@ void FixSkinCells::end_of_step()
 
 void FixSkinCells::write_restart(FILE *fp)
 {
-  // a restarted run counts its time from here: so does this one, or the two differ by rounding
+  // a restarted run counts its time from here: so does this one, or the two differ by rounding;
+  // the iterations of a minimisation are no time
 
-  update->update_time();
+  if (update->whichflag == 2) {
+    update->atime = setup_time;
+    update->atimestep = update->ntimestep;
+  } else {
+    update->update_time();
+  }
+
+  const std::vector<double> list = to_restart();
+  const int size = (int) (list.size() * sizeof(double));
   if (comm->me != 0) return;
-
-  const double list[NSTORED] = {RESTART_FORMAT, (double) next_id, (double) births,
-                                (double) deaths, (double) log.sync()};
-  const int size = sizeof(list);
-  if (fwrite(&size, sizeof(int), 1, fp) != 1 || fwrite(list, size, 1, fp) != 1)
+  if (fwrite(&size, sizeof(int), 1, fp) != 1 || fwrite(list.data(), size, 1, fp) != 1)
     error->one(FLERR, "Fix skin/cells: cannot write to the restart file: {}",
                utils::getsyserror());
 }
@@ -231,10 +223,52 @@ void FixSkinCells::restart(char *buf)
     error->all(FLERR,
                "Fix skin/cells: the restart file was written by another version of this fix");
   std::memcpy(list, buf, sizeof(list));
-  next_id = (tagint) list[1];
+  from_restart(list);
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::vector<double> FixSkinCells::to_restart()
+{
+  skip_used_ids();
+  return {RESTART_FORMAT, (double) next_id, (double) births, (double) deaths, (double) log.sync()};
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::from_restart(const double *list)
+{
+  next_id = std::max(next_id, (bigint) list[1]);
   births = (bigint) list[2];
   deaths = (bigint) list[3];
   log_position = (bigint) list[4];
+}
+
+/* ----------------------------------------------------------------------
+   go on from where an earlier fix skin/cells of these atoms was unfixed
+------------------------------------------------------------------------- */
+
+void FixSkinCells::post_constructor()
+{
+  auto *record = dynamic_cast<FixSkinCellsRecord *>(modify->get_fix_by_id(FixSkinCellsRecord::ID));
+  if (!record) {
+    modify->add_fix(fmt::format("{} all {}", FixSkinCellsRecord::ID, FixSkinCellsRecord::STYLE));
+  } else if (!record->values.empty()) {
+    from_restart(record->values.data());
+    if (record->log != log.path()) log_position = -1;
+    record->values.clear();
+  }
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::leave_record()
+{
+  auto *record = dynamic_cast<FixSkinCellsRecord *>(modify->get_fix_by_id(FixSkinCellsRecord::ID));
+  if (!record) return;
+  record->values = {RESTART_FORMAT, (double) next_id, (double) births, (double) deaths,
+                    (double) log.position()};
+  record->log = log.path();
 }
 
 /* ----------------------------------------------------------------------
@@ -264,7 +298,10 @@ double FixSkinCells::compute_vector(int n)
   n -= NTERMS;
   if (n == 5) return (double) births;
   if (n == 6) return (double) deaths;
-  if (n == 7) return (double) next_id;
+  if (n == 7) {
+    skip_used_ids();
+    return (double) next_id;
+  }
 
   refresh_state();
   int count = 0, count_all;

@@ -8,6 +8,7 @@
 #include "skin_event_log.h"
 #include "skin_nearest.h"
 
+#include <string>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -17,16 +18,24 @@ class FixSkinCells : public Fix {
   FixSkinCells(class LAMMPS *, int, char **);
   ~FixSkinCells() override;
   int setmask() override;
+  void post_constructor() override;
   void init() override;
   void setup_pre_neighbor() override;
   void setup_pre_reverse(int, int) override;
   void setup(int) override;
   void pre_exchange() override;
+  void pre_neighbor() override;
   void pre_reverse(int, int) override;
+  void min_pre_neighbor() override;
   void min_pre_reverse(int, int) override;
   void end_of_step() override;
   void write_restart(FILE *) override;
   void restart(char *) override;
+  void grow_arrays(int) override;
+  void copy_arrays(int, int, int) override;
+  void set_arrays(int) override;
+  int pack_exchange(int, double *) override;
+  int unpack_exchange(int, double *) override;
   double compute_scalar() override;
   double compute_vector(int) override;
   double memory_usage() override;
@@ -40,7 +49,7 @@ class FixSkinCells : public Fix {
   // some or all of the forces of this fix
 
   enum Forces { ATTACHMENT = 1, SPRINGS = 2 };
-  void add_forces(int which, int vflag);
+  void add_forces(int which, int eflag = 0, int vflag = 0);
 
  private:
   enum Kind { NONE, STEM, TA, EXHAUSTED, ND, NKINDS };
@@ -64,6 +73,7 @@ class FixSkinCells : public Fix {
   double half_separation;                                // of a newborn pair
   int generations;                                       // M
   int every;                                             // steps between event steps
+  int inherited_groups;    // bits of groups in which a daughter is if her mother is
 
   // state
 
@@ -74,33 +84,49 @@ class FixSkinCells : public Fix {
   bigint log_position;    // where the log stood when the restart file was written, or -1
   double setup_time;      // time at the setup of this run or minimisation
   double time_offset;     // from the end of the step to a stage within it
+  bigint known_atoms;     // if no other command has made or removed any in this run
 
   SkinNearest nearest;
   std::vector<int> cells;    // local indices of my cells since the last neighbor build
   double energy[NTERMS], energy_all[NTERMS];
   bool energy_summed;
-  int nmax;                         // rows of array_atom
-  bigint built_call, built_step;    // the neighbor build that cells and nearest belong to
+  int nmax;           // rows of array_atom
+  bool rearranged;    // atoms have come, gone or changed places since cells were listed
 
   // settings and checks
 
   void parse(int, char **);
   void refresh_state();
   int kind_of(int) const;
+  int local_index(tagint) const;
+  int owned_index(tagint) const;
   void check_cell(int) const;
   void check_pairs() const;
+  void check_others() const;
   void check_reach() const;
+  double ghost_cutoff() const;
   double time_of_step(bigint) const;
   double now() const;
+  std::vector<double> to_restart();
+  void from_restart(const double *);
+  void leave_record();
+
+  // atoms that come, go and change places
+
+  void set_row(int, const double *);
+  void take_up(int);
+  void list_cells();
+  void migrate(bool);
 
   // forces
 
-  void list_cells();
   void attach(int, const SkinNearest::Neighbor &);
   double reach() const;
+  std::string remedy() const;
   void lost(int, double) const;
   void pierced(int, const SkinNearest::Neighbor &, double) const;
   void pull_pair(int);
+  void tally_energy(int, int, double);
   void add_pair_force(int, int, double);
   void write_row(int, const SkinNearest::Neighbor &);
 
@@ -109,17 +135,30 @@ class FixSkinCells : public Fix {
   void schedule_first(int);
   double wait(tagint, int) const;
   double pair_end_time(int) const;
+  bool detached(int) const;
   bool divides_by(int, double) const;
   void plan_events(bigint);
-  void log_event(const SkinCellEvent &, const char *, tagint, tagint, const char *);
   std::vector<SkinCellEvent> due_events();
   SkinCellEvent death_of(int) const;
+  void remove(const SkinCellEvent &);
+  void log_event(const SkinCellEvent &, const char *, tagint, tagint, const char *);
+
+  // dividing pairs
+
   SkinCellEvent end_of_pair(int, double, int) const;
   std::vector<SkinCellEvent> pairs_ended_by(const std::vector<SkinCellEvent> &) const;
+  std::vector<tagint> nowhere(const std::vector<tagint> &) const;
+  void end_widowed_pairs();
+  void dissolve(const SkinCellEvent &, bool);
+  bool have_bond(tagint, tagint) const;
+  void hide(int, tagint);
+  void show(int, tagint);
+
+  // births
+
   SkinCellEvent division_of(int, const SkinNearest::Neighbor &) const;
-  void remove(const SkinCellEvent &);
-  void dissolve(const SkinCellEvent &);
-  void hide_pair(int);
+  void middle_of_subdomain(double *) const;
+  void skip_used_ids();
   tagint new_id();
   void give_birth(const std::vector<SkinCellEvent> &);
   void divide_mother(int, const SkinCellEvent &, tagint);

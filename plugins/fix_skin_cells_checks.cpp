@@ -4,11 +4,17 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
 #include "error.h"
+#include "group.h"
+#include "input.h"
+#include "modify.h"
 #include "neighbor.h"
+#include "update.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 using namespace LAMMPS_NS;
@@ -28,10 +34,14 @@ void FixSkinCells::check_cell(int i) const
   if ((kind == TA && m <= 0) || (kind == EXHAUSTED && m != 0) || m < 0)
     error->one(FLERR, "Fix skin/cells: cell {} is of kind {} and has {} divisions left",
                atom->tag[i], KIND_NAMES[kind], m);
-  if (state.pair[i] == atom->tag[i] || state.pair[i] < 0 || state.pair[i] > atom->map_tag_max)
+  if (state.pair[i] == atom->tag[i] || state.pair[i] < 0 || state.pair[i] >= next_id)
     error->one(FLERR, "Fix skin/cells: cell {} is paired with {}, which is no other cell",
                atom->tag[i], state.pair[i]);
 
+  for (const int *bonus : {atom->ellipsoid, atom->line, atom->tri, atom->body})
+    if (bonus && bonus[i] >= 0)
+      error->one(FLERR, "Fix skin/cells: cell {} is an ellipsoid, a line, a triangle or a body, "
+                 "which cannot divide", atom->tag[i]);
   if (state.parent[i] == atom->tag[i])
     error->one(FLERR, "Fix skin/cells: parent = {} of cell {} must be another cell, or 0 for none",
                state.parent[i], atom->tag[i]);
@@ -50,33 +60,47 @@ void FixSkinCells::check_cell(int i) const
 }
 
 /* ----------------------------------------------------------------------
-   both cells of a dividing pair name each other, on whatever ranks they are
+   what other fixes and commands cannot do beside this one
 ------------------------------------------------------------------------- */
 
-void FixSkinCells::check_pairs() const
+void FixSkinCells::check_others() const
 {
-  std::vector<tagint> mine;
-  for (int i = 0; i < atom->nlocal; i++)
-    if (kind_of(i) != NONE && state.pair[i]) {
-      mine.push_back(atom->tag[i]);
-      mine.push_back(state.pair[i]);
-    }
+  if (modify->get_fix_by_style("^skin/cells$").size() > 1)
+    error->all(FLERR, "Fix skin/cells can be used once: unfix the other one first, and let one fix "
+               "have all cells in its group");
+  if (utils::strmatch(update->integrate_style, "^respa"))
+    error->all(FLERR, "Fix skin/cells does not work with run_style respa: use run_style verlet");
+  if (std::strcmp(input->command, "rerun") == 0)
+    error->all(FLERR, "Fix skin/cells does not work with rerun: a dump lacks the state of cells; "
+               "use read_restart and run 0");
 
-  int n = (int) mine.size();
-  std::vector<int> counts(comm->nprocs), offsets(comm->nprocs + 1, 0);
-  MPI_Allgather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int p = 0; p < comm->nprocs; p++) offsets[p + 1] = offsets[p] + counts[p];
-  std::vector<tagint> told(offsets[comm->nprocs]);
-  MPI_Allgatherv(mine.data(), n, MPI_LMP_TAGINT, told.data(), counts.data(), offsets.data(),
-                 MPI_LMP_TAGINT, world);
+  for (const Fix *fix : modify->get_fix_list()) {
+    if (!fix->rigid_flag && !fix->time_integrate) continue;
+    int mine = 0, any;
+    for (int i = 0; i < atom->nlocal; i++)
+      if (kind_of(i) != NONE && (atom->mask[i] & fix->groupbit)) mine = 1;
+    MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+    if (!any) continue;
+    if (fix->rigid_flag)
+      error->all(FLERR, "Fix skin/cells: cells cannot divide in the rigid bodies of fix {}",
+                 fix->id);
+    const int known = 1 | groupbit | inherited_groups;
+    if (!(fix->groupbit & known) && !group->dynamic[fix->igroup] && comm->me == 0)
+      error->warning(FLERR, "Fix skin/cells: daughters will not be in the group {} of fix {}, "
+                     "which moves some of the cells: if they should, use inherit {}",
+                     group->names[fix->igroup], fix->id, group->names[fix->igroup]);
+  }
+}
 
-  std::vector<std::pair<tagint, tagint>> all;
-  for (size_t k = 0; k < told.size(); k += 2) all.emplace_back(told[k], told[k + 1]);
-  std::sort(all.begin(), all.end());
-  for (const auto &[id, other] : all)
-    if (!std::binary_search(all.begin(), all.end(), std::pair(other, id)))
-      error->all(FLERR, "Fix skin/cells: cell {} is paired with {}, which is no cell that is "
-                 "paired with it", id, other);
+/* ----------------------------------------------------------------------
+   how far ghost atoms reach; LAMMPS has it in fractions of a triclinic box
+------------------------------------------------------------------------- */
+
+double FixSkinCells::ghost_cutoff() const
+{
+  const double *const cutoff = comm->cutghost;
+  if (domain->triclinic) return cutoff[2] * domain->prd[2];
+  return std::min({cutoff[0], cutoff[1], cutoff[2]});
 }
 
 /* ----------------------------------------------------------------------
@@ -87,8 +111,10 @@ void FixSkinCells::check_pairs() const
 void FixSkinCells::check_reach() const
 {
   const double reach = adhesion_range * contact + 2.0 * neighbor->skin;
-  const double cutoff = std::min({comm->cutghost[0], comm->cutghost[1], comm->cutghost[2]});
-  if (cutoff < reach)
+  if (comm->mode != Comm::SINGLE)
+    error->all(FLERR, "Fix skin/cells needs one communication cutoff for all types: use "
+               "comm_modify mode single");
+  if (ghost_cutoff() < reach)
     error->all(FLERR, "Fix skin/cells needs a communication cutoff of at least {} but has {}: use "
-               "comm_modify cutoff", reach, cutoff);
+               "comm_modify cutoff", reach, ghost_cutoff());
 }

@@ -6,13 +6,12 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
-#include "memory.h"
 #include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <string>
 
 using namespace LAMMPS_NS;
 
@@ -20,20 +19,20 @@ using namespace LAMMPS_NS;
    added before the reverse communication, which sends forces on ghosts home
 ------------------------------------------------------------------------- */
 
-void FixSkinCells::pre_reverse(int /*eflag*/, int vflag)
+void FixSkinCells::pre_reverse(int eflag, int vflag)
 {
-  add_forces(ATTACHMENT | SPRINGS, vflag);
+  add_forces(ATTACHMENT | SPRINGS, eflag, vflag);
 }
 
 /* ----------------------------------------------------------------------
    forces on cells and on owned and ghost membrane particles
 ------------------------------------------------------------------------- */
 
-void FixSkinCells::add_forces(int which, int vflag)
+void FixSkinCells::add_forces(int which, int eflag, int vflag)
 {
   refresh_state();
-  if (built_call != neighbor->ncalls || built_step != neighbor->lastcall) list_cells();
-  v_init(vflag);
+  if (rearranged) list_cells();
+  ev_init(eflag, vflag);
   std::fill(energy, energy + NTERMS, 0.0);
   energy_summed = false;
 
@@ -55,39 +54,13 @@ void FixSkinCells::min_pre_reverse(int eflag, int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   after a neighbor build: my cells, their candidates for the nearest membrane particle, and
-   rows of zeros for everything that is no cell
-------------------------------------------------------------------------- */
-
-void FixSkinCells::list_cells()
-{
-  if (atom->nmax > nmax) {
-    nmax = atom->nmax;
-    memory->destroy(array_atom);
-    memory->create(array_atom, nmax, NCOLUMNS, "skin/cells:array_atom");
-  }
-  if (atom->nlocal)
-    std::memset(&array_atom[0][0], 0, sizeof(double) * NCOLUMNS * (size_t) atom->nlocal);
-
-  cells.clear();
-  for (int i = 0; i < atom->nlocal; i++)
-    if (kind_of(i) != NONE) cells.push_back(i);
-
-  built_call = neighbor->ncalls;
-  built_step = neighbor->lastcall;
-  nearest.clear_candidates();
-  if (cells.empty()) return;
-  nearest.bin(atom, membrane_type);
-  for (int i : cells) nearest.add_candidates(atom->x[i], neighbor->skin);
-}
-
-/* ----------------------------------------------------------------------
    adhesion or binding of cell i to its nearest membrane particle
 ------------------------------------------------------------------------- */
 
 void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
 {
   const int kind = kind_of(i);
+  if (kind == NONE) return;
   const bool bound = (kind == STEM || kind == ND);
   const double r = closest.index < 0 ? INFINITY : std::sqrt(closest.distsq);
   const double stretch = r / contact - 1.0;
@@ -97,16 +70,16 @@ void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
   if (bound) {
     if (!(r <= reach()) && time_offset == 0.0) lost(i, r);
     if (stretch > 0.0) {
-      energy[BINDING] += 0.5 * binding_stiffness * stretch * stretch;
+      tally_energy(BINDING, i, 0.5 * binding_stiffness * stretch * stretch);
       slope = binding_stiffness * stretch;
     }
   } else {
     const double width = adhesion_range - 1.0;
-    if (!(stretch <= width) && state.detached_time[i] < 0.0)
+    if (!(stretch <= width) && state.detached_time[i] < 0.0 && update->whichflag == 1)
       state.detached_time[i] = now();
     if (kind == TA && stretch > 0.0) {
       const double s = std::min(stretch, width), q = s * s / (width * width);
-      energy[ADHESION] += 0.5 * adhesion_stiffness * s * s * (1.0 - 0.5 * q);
+      tally_energy(ADHESION, i, 0.5 * adhesion_stiffness * s * s * (1.0 - 0.5 * q));
       slope = adhesion_stiffness * s * (1.0 - q);
     }
   }
@@ -120,7 +93,7 @@ void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
 
 double FixSkinCells::reach() const
 {
-  return comm->cutghost[0] - 2.0 * neighbor->skin;
+  return ghost_cutoff() - 2.0 * neighbor->skin;
 }
 
 /* ----------------------------------------------------------------------
@@ -142,15 +115,26 @@ bool FixSkinCells::any_astray()
   return false;
 }
 
+/* ----------------------------------------------------------------------
+   a timestep can only be too long for what it has moved: not at the start of a run, nor in a
+   minimisation, nor where other commands have made or removed atoms
+------------------------------------------------------------------------- */
+
+std::string FixSkinCells::remedy() const
+{
+  const bool moved = update->whichflag == 1 && update->ntimestep > update->firststep;
+  if (!moved || atom->natoms != known_atoms) return "";
+  return fmt::format("; try a smaller timestep than {}", update->dt);
+}
+
 /* ---------------------------------------------------------------------- */
 
 void FixSkinCells::lost(int i, double r) const
 {
   error->one(FLERR, "Fix skin/cells: {} cell {} has lost the membrane on step {}: its nearest "
-             "membrane particle is at {} but the ghost particles reach to {}; try a smaller "
-             "timestep than {}",
+             "membrane particle is at {} but the ghost particles reach to {}{}",
              kind_of(i) == STEM ? "stem" : "nd", atom->tag[i], update->ntimestep, r, reach(),
-             update->dt);
+             remedy());
 }
 
 /* ----------------------------------------------------------------------
@@ -160,9 +144,9 @@ void FixSkinCells::lost(int i, double r) const
 void FixSkinCells::pierced(int i, const SkinNearest::Neighbor &closest, double r) const
 {
   error->one(FLERR, "Fix skin/cells: cell {} of type {} breaks through the membrane on step {}: it "
-             "is at {} from membrane particle {}, less than {}; try a smaller timestep than {}",
+             "is at {} from membrane particle {}, less than {}{}",
              atom->tag[i], atom->type[i], update->ntimestep, r, atom->tag[closest.index], core,
-             update->dt);
+             remedy());
 }
 
 /* ----------------------------------------------------------------------
@@ -171,11 +155,11 @@ void FixSkinCells::pierced(int i, const SkinNearest::Neighbor &closest, double r
 
 void FixSkinCells::pull_pair(int i)
 {
-  int j = atom->map(state.pair[i]);
+  int j = local_index(state.pair[i]);
   if (j < 0)
     error->one(FLERR, "Fix skin/cells: the cells {} and {} of a dividing pair have lost each other "
-               "on step {}; try a smaller timestep than {}",
-               atom->tag[i], state.pair[i], update->ntimestep, update->dt);
+               "on step {}{}",
+               atom->tag[i], state.pair[i], update->ntimestep, remedy());
   j = domain->closest_image(i, j);
 
   const double *xi = atom->x[i], *xj = atom->x[j];
@@ -190,15 +174,25 @@ void FixSkinCells::pull_pair(int i)
   const double stretch = r - length;
   const double fpair = -spring_stiffness * stretch / r;
 
-  energy[DIVISION] += 0.25 * spring_stiffness * stretch * stretch;
+  tally_energy(DIVISION, i, 0.25 * spring_stiffness * stretch * stretch);
   for (int d = 0; d < 3; d++) atom->f[i][d] += fpair * delta[d];
 
-  if (evflag) {
+  if (vflag_either) {
     double half[6] = {delta[0] * delta[0], delta[1] * delta[1], delta[2] * delta[2],
                       delta[0] * delta[1], delta[0] * delta[2], delta[1] * delta[2]};
     for (double &h : half) h *= 0.5 * fpair;
     v_tally(i, half);
   }
+}
+
+/* ----------------------------------------------------------------------
+   the energy of a cell and its membrane particle is the cell's, since that is mine
+------------------------------------------------------------------------- */
+
+void FixSkinCells::tally_energy(int term, int i, double e)
+{
+  energy[term] += e;
+  if (eflag_atom) eatom[i] += e;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -212,7 +206,7 @@ void FixSkinCells::add_pair_force(int i, int j, double fpair)
     f[j][d] -= fpair * delta[d];
   }
 
-  if (evflag) {
+  if (vflag_either) {
     double v[6] = {delta[0] * delta[0], delta[1] * delta[1], delta[2] * delta[2],
                    delta[0] * delta[1], delta[0] * delta[2], delta[1] * delta[2]};
     for (double &w : v) w *= fpair;

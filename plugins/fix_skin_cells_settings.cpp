@@ -4,6 +4,7 @@
 
 #include "atom.h"
 #include "error.h"
+#include "group.h"
 #include "utils.h"
 
 #include <algorithm>
@@ -128,6 +129,11 @@ void FixSkinCells::parse(int narg, char **arg)
       if (next_id < 1 || next_id > MAXTAGINT)
         error->all(FLERR, "Fix skin/cells next_id = {}: must be an integer from 1 to {}", text,
                    MAXTAGINT);
+    } else if (keyword == "inherit") {
+      const char *text = values(1)[0];
+      const int igroup = group->find(text);
+      if (igroup < 0) error->all(FLERR, "Fix skin/cells inherit = {}: there is no such group", text);
+      inherited_groups |= group->bitmask[igroup];
     } else if (keyword == "log") {
       log.set_file(values(1)[0]);
     } else {

@@ -16,13 +16,13 @@ struct SkinCellEvent {
   double time;
   double x[3];           // of the cell that dies, of the younger of a pair, of the newborn
   double mother_x[3];    // where a birth leaves the mother
+  double site[3];        // a place that belongs to her rank
   int kind;
   tagint id;        // of the cell that dies, of the younger of a pair, of the mother
   tagint other;     // the other cell of its pair, 0 if none
   tagint parent;
   int type;              // LAMMPS type of the cell at x
   int divisions_left;    // its divisions left
-  int mask;              // groups that a newborn inherits
 
   bool operator<(const SkinCellEvent &) const;
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -62,6 +63,8 @@ void SkinEventLog::begin()
   const bigint length = std::max(start, (bigint) 0);
   check(ftruncate(fileno(fp), length) == 0 && fseek(fp, 0, SEEK_END) == 0, "continue");
   if (start < 0) check(fputs(HEADER, fp) >= 0, "write");
+  check(fputs(waiting.c_str(), fp) >= 0, "write");
+  waiting.clear();
   flush();
 }
 
@@ -71,10 +74,11 @@ void SkinEventLog::write(double time, const char *kind, tagint id, tagint parent
                          const double *x, int divisions_left, const char *cause)
 {
   if (!fp) return;
-  begin();
-  check(fprintf(fp, "%.10g,%s,%d,%d,%d,%.10g,%.10g,%.10g,%d,%s\n", time, kind, (int) id,
-                (int) parent, type, x[0], x[1], x[2], divisions_left, cause) > 0,
-        "write");
+  waiting += fmt::format("{:.10g},{},{},{},{},{:.10g},{:.10g},{:.10g},{},{}\n", time, kind, id,
+                         parent, type, x[0], x[1], x[2], divisions_left, cause);
+  if (!begun) return;
+  check(fputs(waiting.c_str(), fp) >= 0, "write");
+  waiting.clear();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -93,6 +97,23 @@ bigint SkinEventLog::sync()
   flush();
   check(fsync(fileno(fp)) == 0, "write");
   return ftell(fp);
+}
+
+/* ---------------------------------------------------------------------- */
+
+bigint SkinEventLog::position() const
+{
+  return fp && begun ? ftell(fp) : start;
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::string SkinEventLog::path() const
+{
+  char *const found = realpath(filename.c_str(), nullptr);
+  const std::string full = found ? found : filename;
+  free(found);
+  return full;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -20,7 +20,8 @@ class SkinEventLog : protected Pointers {
 
   void open(bigint position);
 
-  // cut off what follows the restart file's position, all of it if that is negative
+  // cut off what follows the restart file's position, all of it if that is negative, and write
+  // what has happened before
 
   void begin();
 
@@ -35,8 +36,14 @@ class SkinEventLog : protected Pointers {
 
   bigint sync();
 
+  // where it stands, as for open(), and the full name of its file
+
+  bigint position() const;
+  std::string path() const;
+
  private:
   std::string filename;
+  std::string waiting;    // lines until begin()
   FILE *fp;
   bigint start;    // length that it has at the beginning of the run
   bool begun;

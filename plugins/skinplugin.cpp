@@ -3,6 +3,7 @@
 #include "bond_skin_stretch.h"
 #include "dihedral_skin_bend.h"
 #include "fix_skin_cells.h"
+#include "fix_skin_cells_record.h"
 #include "fix_skin_motion.h"
 #include "pair_skin_adhesion.h"
 #include "pair_skin_core.h"
@@ -72,6 +73,11 @@ static void *create_fix_skin_cells(LAMMPS *lmp, int narg, char **arg)
   return new FixSkinCells(lmp, narg, arg);
 }
 
+static void *create_fix_skin_cells_record(LAMMPS *lmp, int narg, char **arg)
+{
+  return new FixSkinCellsRecord(lmp, narg, arg);
+}
+
 static void *create_fix_skin_motion(LAMMPS *lmp, int narg, char **arg)
 {
   return new FixSkinMotion(lmp, narg, arg);
@@ -129,6 +135,12 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.name = "skin/cells";
   plugin.info = "adhesion, division and removal of epidermal cells on a basement membrane";
   plugin.creator.v2 = &create_fix_skin_cells;
+  register_plugin(&plugin, lmp);
+
+  plugin.style = "fix";
+  plugin.name = FixSkinCellsRecord::STYLE;
+  plugin.info = "what a fix skin/cells leaves to the next one";
+  plugin.creator.v2 = &create_fix_skin_cells_record;
   register_plugin(&plugin, lmp);
 
   plugin.style = "fix";
