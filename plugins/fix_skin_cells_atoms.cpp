@@ -30,11 +30,14 @@ void FixSkinCells::copy_arrays(int i, int j, int /*delflag*/)
   set_row(j, array_atom[i]);
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   a new atom; fix property/atom leaves it what its place in the arrays had before
+------------------------------------------------------------------------- */
 
 void FixSkinCells::set_arrays(int i)
 {
   set_row(i, nullptr);
+  if (state.refresh(atom).empty()) state.clear(i);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -98,23 +101,21 @@ void FixSkinCells::min_pre_neighbor()
 }
 
 /* ----------------------------------------------------------------------
-   a cell that another command has made has the zeros of fix property/atom
+   a cell that another command has made begins now
 ------------------------------------------------------------------------- */
 
 void FixSkinCells::take_up(int i)
 {
   const int kind = kind_of(i);
   const bool divides = kind == STEM || kind == TA;
-  const bool zeros = !state.divisions_done[i] && !state.parent[i] && !state.pair[i] &&
-      state.next_division[i] == 0.0 && state.birth_time[i] == 0.0 && state.pair_start[i] == 0.0 &&
-      state.detached_time[i] == 0.0;
-  if (zeros) {
+  const bool untold = state.untold(i);
+  if (untold) {
     check_cell(i);
     state.next_division[i] = SkinCellState::NEVER;
     state.birth_time[i] = now();
   }
   const bool unscheduled = divides && state.next_division[i] < 0.0;
-  if ((zeros || unscheduled) && state.detached_time[i] == 0.0)
+  if ((untold || unscheduled) && state.detached_time[i] == 0.0)
     state.detached_time[i] = SkinCellState::NEVER;
   if (unscheduled) schedule_first(i);
 }

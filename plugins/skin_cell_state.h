@@ -28,6 +28,20 @@ struct SkinCellState {
   double *pair_start;         // time of the division that made the pair
   double *detached_time;      // time at which the cell was first found detached, or NEVER
 
+  // zeros are what an atom has that no one has told its state
+
+  void clear(int i)
+  {
+    divisions_left[i] = divisions_done[i] = parent[i] = pair[i] = 0;
+    next_division[i] = birth_time[i] = pair_start[i] = detached_time[i] = 0.0;
+  }
+
+  bool untold(int i) const
+  {
+    return !divisions_done[i] && !parent[i] && !pair[i] && next_division[i] == 0.0 &&
+        birth_time[i] == 0.0 && pair_start[i] == 0.0 && detached_time[i] == 0.0;
+  }
+
   // find the current arrays, return the name of the first property that is missing, if any
 
   std::string refresh(Atom *atom)

@@ -36,9 +36,9 @@ def write(name: str) -> str:
         ["atom_modify sort 1 3.0", "run 1 post no"],
         ["create_atoms nd random 4000 11 NULL"],
         ["write_dump all custom copy.dump id type x y z", "displace_atoms all move 5 3 0",
-         "read_dump copy.dump 40 x y z box no"],
+         "read_dump copy.dump 24 x y z box no timestep no"],
         ["write_dump all custom copy.dump id type x y z", "delete_atoms group cells",
-         "read_dump copy.dump 40 x y z box no add keep"],
+         "read_dump copy.dump 24 x y z box no add keep timestep no"],
         ["change_box all x scale 1.01 remap"],
     ],
     ids=["delete-region", "delete-random", "balance", "sort", "create", "read-dump", "add", "box"],
@@ -89,7 +89,7 @@ def test_rows_of_what_is_no_cell_any_more_are_zero(tmp_path: Path) -> None:
 # ---- newborns
 
 CLONE = [
-    "fix clone all property/atom i_clone d_dose d2_vector 3 mol q rmass",
+    "fix clone all property/atom i_clone d_dose d2_vector 3 q rmass",
     "variable id atom id", "variable dose atom id*0.5", "variable mass atom 1.0+id*0.001",
     "set group all i_clone v_id", "set group all d_dose v_dose", "set group all mol 7",
     "set group cells d2_vector[2] v_dose", "set group all charge 0.25",
