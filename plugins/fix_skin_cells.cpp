@@ -195,15 +195,9 @@ void FixSkinCells::end_of_step()
 
 void FixSkinCells::write_restart(FILE *fp)
 {
-  // a restarted run counts its time from here: so does this one, or the two differ by rounding;
-  // the iterations of a minimisation are no time
+  // a restarted run counts its time from here: so does this one, or the two differ by rounding
 
-  if (update->whichflag == 2) {
-    update->atime = setup_time;
-    update->atimestep = update->ntimestep;
-  } else {
-    update->update_time();
-  }
+  if (update->whichflag != 2) update->update_time();
 
   const std::vector<double> list = to_restart();
   const int size = (int) (list.size() * sizeof(double));

@@ -46,10 +46,14 @@ void FixSkinCells::add_forces(int which, int eflag, int vflag)
   }
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   the iterations of a minimisation are no time, in restart files neither
+------------------------------------------------------------------------- */
 
 void FixSkinCells::min_pre_reverse(int eflag, int vflag)
 {
+  update->atime = setup_time;
+  update->atimestep = update->ntimestep;
   pre_reverse(eflag, vflag);
 }
 

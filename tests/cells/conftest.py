@@ -198,7 +198,7 @@ def _mix(z: int) -> int:
 def uniform(seed: int, cell: int, event: int, purpose: int) -> float:
     """Random number in (0, 1) of a key."""
     word = _mix(_mix(_mix(_mix(seed) ^ cell) ^ event) ^ purpose)
-    return ((word >> 11) + 0.5) * 2.0**-53
+    return min(((word >> 11) + 0.5) * 2.0**-53, 1 - 2.0**-53)
 
 
 def exponential(scene: Scene, seed: int, cell: int, event: int) -> float:
@@ -210,6 +210,17 @@ def first_division(scene: Scene, seed: int, cell: int, start: float = 0.0) -> fl
     elapsed = scene.cells.first_phase * uniform(seed, cell, 0, FIRST_PHASE)
     rest = max(scene.cells.cycle_delay - elapsed, 0.0)
     return start + rest + exponential(scene, seed, cell, 0)
+
+
+def seed_of(word: int, cell: int, event: int, purpose: int) -> int:
+    """The seed whose random number has this hash."""
+    for key in (purpose, event, cell, 0):
+        for multiplier, shift in ((0x94D049BB133111EB, 31), (0xBF58476D1CE4E5B9, 27)):
+            word ^= word >> shift ^ word >> 2 * shift
+            word = word * pow(multiplier, -1, WORD + 1) & WORD
+        word ^= word >> 30 ^ word >> 60
+        word = ((word - 0x9E3779B97F4A7C15) & WORD) ^ key
+    return word
 
 
 # ---- schedules and lineage, told in advance from the seed

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +39,13 @@ def run_script(
     assert setup[-1].startswith("run ")
     quiet = ["thermo_style custom step time atoms", "thermo_modify lost error norm no"]
     script = [*setup[:-1], *quiet, *lines]
+    return run(directory, script, ranks, arguments)
+
+
+def run(
+    directory: Path, script: Sequence[str], ranks: int = 1, arguments: tuple[str, ...] = ()
+) -> subprocess.CompletedProcess[str]:
+    """Run an input script in a directory."""
     (directory / "case.in").write_text("\n".join(script) + "\n")
     binaries = Path(sys.executable).parent
     launcher = [str(binaries / "mpirun"), "-launcher", "fork", "-np", str(ranks)]

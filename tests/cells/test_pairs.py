@@ -40,6 +40,9 @@ def test_a_cell_of_a_pair_waits_for_its_end(tmp_path: Path) -> None:
     births = [e.time for e in of_kind(read_events(tmp_path), "birth") if e.parent == stem]
     assert births == pytest.approx([first, first + duration, first + 2 * duration], rel=TIME_DIGITS)
     assert ends == pytest.approx([first + duration] * 1 + [first + 2 * duration] * 2, rel=1e-9)
+    # what happens at one time: a pair ends before its cells divide
+    kinds = [e.kind for e in read_events(tmp_path) if e.time == pytest.approx(first + duration)]
+    assert kinds == ["division_end", "birth", "birth"]
 
 
 @pytest.mark.parametrize("spring", ["length", "reduced"])

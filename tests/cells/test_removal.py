@@ -1,5 +1,6 @@
 """Removal of detached TA cells, what it does to pairs, and the balance of all counts."""
 
+import math
 from collections import Counter
 from pathlib import Path
 
@@ -29,6 +30,7 @@ from tests.cells.conftest import (
     read_events,
     thermo,
 )
+from tests.cells.scripts import busy, run_script, told
 
 # ---- who leaves
 
@@ -332,3 +334,19 @@ def test_the_id_of_the_dead_is_not_given_again(tmp_path: Path) -> None:
         simulation.run(until=1.5)
         assert simulation.cells().ids.tolist() == [673, 675]
     assert [(e.kind, e.id) for e in read_events(tmp_path)] == [("death", 674), ("birth", 675)]
+
+
+def test_what_a_rejected_step_has_seen_did_not_happen(tmp_path: Path) -> None:
+    """A cell on a stiff tether overshoots its reach in steps that are then divided."""
+    scene = busy(**{"cells.stem": 1, "cells.nd": 0})
+    spot = (6.0, 7 * math.sqrt(3) / 2)
+    start = place(scene, [(Kind.EXHAUSTED, (*spot, HEIGHT + 2.75), 0)])
+    lines = [
+        "group membrane type membrane", "fix hold membrane setforce 0 0 0",
+        "fix tether cells spring/self 400", "displace_atoms cells move 0 0 -0.3", "unfix motion",
+        "fix motion all skin/motion rkl1 stages 5 move 0.6",
+        "run 8 post no", 'print "OUT $(f_motion[1]) $(f_cells[10]) $(f_cells[6])"',
+    ]  # fmt: skip
+    ((divided, deaths, exhausted),) = told(run_script(tmp_path, *lines, scene=scene, start=start))
+    assert divided > 0
+    assert (deaths, exhausted) == (0, 1)
