@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from lammps_skin.build import build
 from lammps_skin.kinds import Kind
@@ -25,10 +24,12 @@ def test_sums_over_atoms_are_those_of_all(ranks: int, tmp_path: Path) -> None:
     """`compute pe/atom` and `stress/atom` in a colony with pairs, bound and adhering cells."""
     lines = [
         "run 24 post no", *SUMS, "thermo_style custom step pe c_pes press", "thermo_modify norm no",
-        "variable d equal c_total[1]+vol*c_pressure[1]", "variable e equal c_total[6]+vol*c_pressure[6]",
-        "run 0 post no", 'print "OUT $(pe:%.15g) $(c_pes:%.15g) $(f_cells:%.15g) ${d} ${e} $(press)"',
+        "variable d equal c_total[1]+vol*c_pressure[1]",
+        "variable e equal c_total[6]+vol*c_pressure[6]", "run 0 post no",
+        'print "OUT $(pe:%.15g) $(c_pes:%.15g) $(f_cells:%.15g) ${d} ${e} $(press)"',
         "compute own all pe/atom fix", "compute owns all reduce sum c_own",
-        "thermo_style custom step c_owns", "thermo_modify norm no", "run 0 post no", 'print "OUT $(c_owns:%.15g)"',
+        "thermo_style custom step c_owns", "thermo_modify norm no", "run 0 post no",
+        'print "OUT $(c_owns:%.15g)"',
     ]  # fmt: skip
     process = run_script(tmp_path, *lines, scene=busy(), ranks=ranks)
     (pe, each, mine, x, yz, pressure), (fixed,) = told(process)
@@ -86,7 +87,8 @@ def test_virial_of_attachment(kind: str, term: str, tmp_path: Path) -> None:
         "compute e all pe/atom fix", "thermo_style custom step c_p[1]",
         "dump d all custom 1 x.dump id c_s[3] c_e", "dump_modify d format float %.15g",
         "run 0 post no",
-        'print "OUT $(c_p[1]*vol:%.15g) $(c_p[3]*vol:%.15g) $(f_cells[1]) $(f_cells[2]) $(f_cells)"',
+        'print "OUT $(c_p[1]*vol:%.15g) $(c_p[3]*vol:%.15g) '
+        '$(f_cells[1]) $(f_cells[2]) $(f_cells)"',
     ]  # fmt: skip
     process = run_script(tmp_path, *lines, scene=scene, start=start)
     ((xx, zz, adhesion, binding, energy),) = told(process)
@@ -110,9 +112,11 @@ def test_forces_are_part_of_a_minimisation(tmp_path: Path) -> None:
     scene = busy(**{"cells.stem": 1, "cells.nd": 0})
     spot = (6.0, 7 * 3**0.5 / 2)
     start = place(scene, [(Kind.STEM, (*spot, HEIGHT + 2.8), 1)])
-    lines = [*HELD, "fix_modify cells energy yes", "thermo_style custom step pe", "minimize 0 1e-8 200 2000",
-             'print "OUT $(f_cells[2]) $(pe)"', "write_dump cells custom x.dump id f_cells[7]"]  # fmt: skip
-    ((binding, pe),) = told(run_script(tmp_path, *lines, scene=scene, start=start))
+    lines = [
+        *HELD, "fix_modify cells energy yes", "minimize 0 1e-8 200 2000",
+        'print "OUT $(f_cells[2])"', "write_dump cells custom x.dump id f_cells[7]",
+    ]  # fmt: skip
+    ((binding,),) = told(run_script(tmp_path, *lines, scene=scene, start=start))
     (frame,) = snapshots(tmp_path / "x.dump")
     assert frame["f_cells[7]"] == pytest.approx([CONTACT], abs=1e-3)
     assert binding < 1e-6
@@ -142,7 +146,8 @@ def test_nothing_is_detached_by_a_minimisation(tmp_path: Path) -> None:
     scene = busy()
     build(scene, tmp_path)
     lines = ["run 20 post no", "displace_atoms cells move 0 0 0.6", "minimize 0 0 1 1",
-             "displace_atoms cells move 0 0 -0.6", "run 4 post no", 'print "OUT $(f_cells[10])"']  # fmt: skip
+             "displace_atoms cells move 0 0 -0.6", "run 4 post no",
+             'print "OUT $(f_cells[10])"']  # fmt: skip
     assert told(run_script(tmp_path, *lines)) == [[0.0]]
 
 
@@ -151,10 +156,12 @@ def test_nothing_is_detached_by_a_minimisation(tmp_path: Path) -> None:
 
 def test_triclinic_box_is_the_same_box(tmp_path: Path) -> None:
     """Without tilt, and with a tilt of one period: the same images, the same run."""
-    report = ['print "OUT $(f_cells[1]:%.12g) $(f_cells[2]:%.12g) $(f_cells[3]:%.12g) $(f_cells[9])"']
+    report = [
+        'print "OUT $(f_cells[1]:%.12g) $(f_cells[2]:%.12g) $(f_cells[3]:%.12g) $(f_cells[9])"'
+    ]
     results = []
-    for box in ([], ["change_box all triclinic"],
-                ["change_box all triclinic", "box tilt large", "change_box all xy final 12.0"]):  # fmt: skip
+    large = ["box tilt large", "change_box all xy final 12.0"]
+    for box in ([], ["change_box all triclinic"], ["change_box all triclinic", *large]):
         lines = [*box, "run 16 post no", *report]
         results += told(run_script(tmp_path, *lines, scene=busy()))
     for result in results[1:]:

@@ -1,4 +1,4 @@
-"""Commands that make, remove and renumber atoms, or change the fix itself, beside fix skin/cells."""
+"""Commands that make, remove and renumber atoms, or give fix skin/cells anew."""
 
 from pathlib import Path
 
@@ -131,7 +131,8 @@ def test_a_wound_ends_pairs(which: str, ranks: int, tmp_path: Path) -> None:
         f"write_dump cells custom before.dump {state}",
         f'variable gone atom "{variable.replace("i_pair", "c_pair")}"', "group gone variable gone",
         "delete_atoms group gone", 'print "OUT $(count(gone))"', "run 0 post no",
-        f"write_dump cells custom after.dump {state}", 'print "OUT $(f_cells[8])"', "run 30 post no",
+        f"write_dump cells custom after.dump {state}", 'print "OUT $(f_cells[8])"',
+        "run 30 post no",
         'print "OUT $(f_cells[10])"',
     ]  # fmt: skip
     process = run_script(tmp_path, *lines, scene=busy(), ranks=ranks)

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from lammps_skin.build import build
 
 from tests.cells.conftest import of_kind, read_events
@@ -51,7 +50,9 @@ def test_rows_stay_with_their_atoms(commands: list[str], ranks: int, tmp_path: P
     process = run_script(tmp_path, *lines, scene=busy(), ranks=ranks)
     assert process.returncode == 0, process.stdout[-1000:]
     (before,), (after,) = (snapshots(tmp_path / name) for name in ("before.dump", "after.dump"))
-    kept = np.isin(after["id"], before["id"]) & (after["i_divisions_left"] + after["f_cells[6]"] > 0)
+    kept = np.isin(after["id"], before["id"]) & (
+        after["i_divisions_left"] + after["f_cells[6]"] > 0
+    )
     cells = np.isin(before["type"], CELL_TYPES)
     assert cells.sum() >= 6
     assert (before["f_cells[7]"][cells] > 1.0).all()
@@ -133,7 +134,10 @@ def test_newborn_is_a_copy_of_its_mother(ranks: int, tmp_path: Path) -> None:
     frames = snapshots(tmp_path / "x.dump")
     checked = 0
     for frame in frames:
-        rows = {int(row[0]): dict(zip(frame, row, strict=True)) for row in zip(*frame.values())}
+        rows = {
+            int(row[0]): dict(zip(frame, row, strict=True))
+            for row in zip(*frame.values(), strict=True)
+        }
         for cell in rows:
             if cell in born and rows[cell] == born[cell] and int(born[cell]["i_parent"]) in rows:
                 mother = rows[int(born[cell]["i_parent"])]
@@ -148,7 +152,11 @@ def test_newborn_does_not_depend_on_ranks(tmp_path: Path) -> None:
     frames = []
     for ranks in (1, 2, 4):
         columns = "id type mol ix iy i_clone d_dose i_parent i_pair"
-        lines = [*CLONE, "run 36 post no", f"write_dump cells custom x.dump {columns} modify sort id"]
+        lines = [
+            *CLONE,
+            "run 36 post no",
+            f"write_dump cells custom x.dump {columns} modify sort id",
+        ]
         directory = tmp_path / str(ranks)
         # the stem cells divide at edges of subdomains: in the middle, and at the edge of the box
         moved = [
@@ -165,7 +173,8 @@ def test_bonds_stay_with_the_mother(tmp_path: Path) -> None:
     """A mother that is anchored by a bond divides; her daughter has none."""
     scene = busy()
     lines = [
-        "bond_style hybrid skin/stretch harmonic", "bond_coeff 1 skin/stretch 0.04 2.0 1.25 0.25 1.0",
+        "bond_style hybrid skin/stretch harmonic",
+        "bond_coeff 1 skin/stretch 0.04 2.0 1.25 0.25 1.0",
         "bond_coeff 2 harmonic 5.0 2.4", "compute near cells property/atom nbonds",
         "create_bonds single/bond 2 673 340 special yes", "run 20 post no",
         "compute bonds all property/local batom1 batom2 btype",
