@@ -132,7 +132,8 @@ void FixSkinCells::parse(int narg, char **arg)
     } else if (keyword == "inherit") {
       const char *text = values(1)[0];
       const int igroup = group->find(text);
-      if (igroup < 0) error->all(FLERR, "Fix skin/cells inherit = {}: there is no such group", text);
+      if (igroup < 0)
+        error->all(FLERR, "Fix skin/cells inherit = {}: there is no such group", text);
       inherited_groups |= group->bitmask[igroup];
     } else if (keyword == "log") {
       log.set_file(values(1)[0]);
