@@ -2,6 +2,8 @@
 
 #include "fix_skin_cells.h"
 
+#include "skin_remedy.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
@@ -120,15 +122,13 @@ bool FixSkinCells::any_astray()
 }
 
 /* ----------------------------------------------------------------------
-   a timestep can only be too long for what it has moved: not at the start of a run, nor in a
-   minimisation, nor where other commands have made or removed atoms
+   no timestep is to blame where other commands have made or removed atoms
 ------------------------------------------------------------------------- */
 
 std::string FixSkinCells::remedy() const
 {
-  const bool moved = update->whichflag == 1 && update->ntimestep > update->firststep;
-  if (!moved || atom->natoms != known_atoms) return "";
-  return fmt::format("; try a smaller timestep than {}", update->dt);
+  if (atom->natoms != known_atoms) return "";
+  return skin_remedy(update, update->ntimestep == update->firststep);
 }
 
 /* ---------------------------------------------------------------------- */

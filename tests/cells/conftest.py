@@ -212,17 +212,6 @@ def first_division(scene: Scene, seed: int, cell: int, start: float = 0.0) -> fl
     return start + rest + exponential(scene, seed, cell, 0)
 
 
-def seed_of(word: int, cell: int, event: int, purpose: int) -> int:
-    """The seed whose random number has this hash."""
-    for key in (purpose, event, cell, 0):
-        for multiplier, shift in ((0x94D049BB133111EB, 31), (0xBF58476D1CE4E5B9, 27)):
-            word ^= word >> shift ^ word >> 2 * shift
-            word = word * pow(multiplier, -1, WORD + 1) & WORD
-        word ^= word >> 30 ^ word >> 60
-        word = ((word - 0x9E3779B97F4A7C15) & WORD) ^ key
-    return word
-
-
 # ---- schedules and lineage, told in advance from the seed
 
 Told = tuple[float, str, int, int, int]  # time, kind, id, parent, divisions left

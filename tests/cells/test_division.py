@@ -20,8 +20,6 @@ from tests.cells.conftest import (
     HEIGHT,
     ORIENTATION,
     TIME_DIGITS,
-    WAIT,
-    WORD,
     Event,
     check_told,
     first_division,
@@ -30,12 +28,10 @@ from tests.cells.conftest import (
     of_kind,
     place,
     read_events,
-    seed_of,
     told_events,
     uniform,
     wave,
 )
-from tests.cells.scripts import busy, run_script, told
 
 SEED = 7
 GENERATIONS = 3
@@ -321,22 +317,3 @@ def test_events_are_logged_in_the_order_of_their_times(
     times = [event.time for event in events]
     assert len(times) >= 40
     assert times == sorted(times)
-
-
-def test_the_largest_random_number_is_below_one(tmp_path: Path) -> None:
-    """A seed for which the first wait of a stem cell is the shortest that there is."""
-    cell = 673
-    seeds = (seed_of(WORD - n, cell, 0, WAIT) for n in range(2**11))
-    seed = next(seed for seed in seeds if 0 < seed < 2**63)
-    assert uniform(seed, cell, 0, WAIT) == 1 - 2.0**-53
-    lines = [
-        "unfix cells",
-        f"fix cells cells skin/cells {seed} membrane membrane stem stem ta ta exhausted exhausted "
-        "contact 2.4 adhesion 25 1.2 binding 25 cycle 0 0.5 0 generations 3 "
-        "spring 5 0.014 0.14 2.8 offset 0.007",
-        "compute next cells property/atom d_next_division",
-        "compute wait cells reduce min c_next", "run 0 post no", 'print "OUT $(c_wait:%.17g)"',
-    ]  # fmt: skip
-    scene = busy(**{"cells.stem": 1, "cells.nd": 0})
-    ((wait,),) = told(run_script(tmp_path, *lines, scene=scene))
-    assert 0.0 < wait < 1e-15
