@@ -354,3 +354,8 @@ def test_terms() -> None:
     assert ours | {"fix skin/motion", "pair_style skin/core"} == styles
     titles = re.findall(r"^# (.+) command$", "\n".join(map(text, PAGES_OF_STYLES)), re.MULTILINE)
     assert sorted(titles) == sorted(styles)
+
+
+def test_the_readme_names_every_page() -> None:
+    linked = set(re.findall(r"\]\(docs/(\w+\.md)", text("README.md")))
+    assert linked == {path.name for path in (ROOT / "docs").glob("*.md")}
