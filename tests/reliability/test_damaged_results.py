@@ -15,7 +15,8 @@ from lammps_skin.simulation import Simulation
 from tests.trajectory.conftest import small_scene
 
 COMMANDS = (["stats", "run"], ["export", "run", "--to", "vtk", "-o", "out"])
-CASES = 15
+CASES = 4  # in the quick tests
+MANY = 15
 
 
 @pytest.fixture(scope="module")
@@ -44,14 +45,15 @@ def damage(path: Path, draw: np.random.Generator) -> None:
     path.write_bytes(content)
 
 
+@pytest.mark.parametrize("number", [CASES, pytest.param(MANY, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", ["skin.h5", "events.csv", "log.lammps", "skin.data", "scene.toml"])
 def test_damaged_results(
-    name: str, finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    name: str, number: int, finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     monkeypatch.chdir(tmp_path)
     draw = np.random.default_rng(len(name))
-    for _ in range(CASES):
+    for _ in range(number):
         shutil.copytree(finished, "run", dirs_exist_ok=True)
         damage(Path("run", name), draw)
         for command in COMMANDS:

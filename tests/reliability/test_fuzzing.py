@@ -15,7 +15,7 @@ from lammps_skin.scene import Scene
 from tests.reliability import bad_input as bad
 from tests.reliability.sandbox import Outcome, Sandbox
 
-MANY = 34  # times as many cases in `make science`
+MANY = 68  # times as many cases in `make science`
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def try_all(number: int, strategy: st.SearchStrategy[Any], check: Callable[[Any]
     assert len(tried) >= number
 
 
-@cases(100)
+@cases(50)
 def test_scene_files(number: int, sandbox: Sandbox) -> None:
     def check(case: tuple[dict[str, Any], list[bad.Damage]]) -> None:
         changes, damage = case
@@ -69,7 +69,7 @@ def assert_whole_directory(outcome: Outcome) -> None:
     assert built or outcome.code or "size" in outcome.out
 
 
-@cases(80)
+@cases(40)
 def test_command_lines(number: int, sandbox: Sandbox) -> None:
     try_all(number, bad.command_lines, lambda words: sandbox(bad.try_command, words).check())
 
@@ -83,7 +83,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> str:
     return str(directory)
 
 
-@cases(40)
+@cases(20)
 def test_table_files(number: int, sandbox: Sandbox, built: str) -> None:
     def check(case: tuple[str, list[bad.Damage]]) -> None:
         sandbox(bad.try_built, built, *case).check()
@@ -91,7 +91,7 @@ def test_table_files(number: int, sandbox: Sandbox, built: str) -> None:
     try_all(number, st.tuples(st.sampled_from(bad.TABLES), bad.damages), check)
 
 
-@cases(40)
+@cases(20)
 def test_data_files(number: int, sandbox: Sandbox, built: str) -> None:
     def check(damage: list[bad.Damage]) -> None:
         sandbox(bad.try_built, built, "skin.data", damage).check()
@@ -99,6 +99,6 @@ def test_data_files(number: int, sandbox: Sandbox, built: str) -> None:
     try_all(number, bad.damages, check)
 
 
-@cases(40)
+@cases(20)
 def test_arguments_of_the_fix(number: int, sandbox: Sandbox) -> None:
     try_all(number, bad.fix_words, lambda damage: sandbox(bad.try_fix, damage).check())
