@@ -237,7 +237,7 @@ void DihedralSkinBend::init()
 void DihedralSkinBend::init_style()
 {
   if (!force->newton_bond) error->all(FLERR, "Dihedral style skin/bend needs newton on for bonds");
-  for (int i = 1; i <= atom->ndihedraltypes; i++)
+  for (int i = 1; allocated && i <= atom->ndihedraltypes; i++)
     if (setflag[i]) check(stiffness[i], fmt::format("{}", stiffness[i]));
   build.forget();
 }
