@@ -8,8 +8,9 @@ if TYPE_CHECKING:
     from lammps_skin.errors import SkinError
     from lammps_skin.scene import Scene
     from lammps_skin.simulation import Simulation
+    from lammps_skin.trajectory.universe import open_trajectory
 
-__all__ = ["Configuration", "Scene", "Simulation", "SkinError"]
+__all__ = ["Configuration", "Scene", "Simulation", "SkinError", "open_trajectory"]
 
 # loaded at first use: every ``import lammps`` imports this package for `lammps_skin.plugin`
 _MODULES = {
@@ -17,6 +18,7 @@ _MODULES = {
     "Scene": "scene",
     "Simulation": "simulation",
     "SkinError": "errors",
+    "open_trajectory": "trajectory.universe",
 }
 
 

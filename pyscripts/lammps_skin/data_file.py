@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from lammps_skin.errors import SceneError
+from lammps_skin.errors import SceneError, reading
 
 # LAMMPS brings a particle back into the box one side at a time, and hangs on those further away
 FURTHEST = 1e6
@@ -40,6 +40,13 @@ def check_places(path: Path) -> None:
                     )
     except (OSError, ValueError):
         return
+
+
+def box_sides(path: Path) -> tuple[float, float, float]:
+    """Sides of the box along x, y and z; raises `SkinError` if the header does not state them."""
+    with reading(f"data file {path}"):
+        x, y, z = _sides(path)
+        return x, y, z
 
 
 def _sides(path: Path) -> list[float]:

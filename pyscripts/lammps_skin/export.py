@@ -41,7 +41,7 @@ def recorded(run: str | Path) -> Recorded:
         path = trajectory_of(path)
     if path.suffix == Path(DUMP).suffix:
         scene = load_built(path.parent)
-        found = Recorded(Dump(path, scene.kinds), scene, connectivity(path.parent)[1])
+        found = Recorded(Dump(path), scene, connectivity(path.parent)[1])
     else:
         store = Store(path)
         found = Recorded(store, store.scene, store.triangles)

@@ -147,8 +147,9 @@ def test_frames_in_any_order(run):
 
 
 def test_memory_does_not_grow_with_the_number_of_frames(run, tmp_path):
+    text = blocks(run)[0]
+
     def peak(copies: int) -> int:
-        text = blocks(run)[0]
         path = tmp_path / "skin.dump"
         with path.open("wb") as file:
             for step in range(copies):
@@ -161,7 +162,8 @@ def test_memory_does_not_grow_with_the_number_of_frames(run, tmp_path):
         tracemalloc.stop()
         return used
 
-    assert peak(60) < 1.05 * peak(6)
+    grown = (peak(60) - peak(6)) / 54  # a place and its numbers, not what is in the frame
+    assert grown < len(text) / 100
 
 
 def test_what_cannot_be_read_is_said(run, tmp_path):

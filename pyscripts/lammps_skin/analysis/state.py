@@ -7,7 +7,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
@@ -27,17 +26,14 @@ from lammps_skin.analysis.papillae import (
     tip_fraction,
 )
 from lammps_skin.analysis.surface import height_field, smooth
-from lammps_skin.build import load_built
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.scene import Scene
-from lammps_skin.trajectory.connectivity import connectivity
-from lammps_skin.trajectory.readers import SkinDumpReader, SkinReader
-from lammps_skin.trajectory.store import Store
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", DeprecationWarning)  # of packages that MDAnalysis imports
     from MDAnalysis.analysis.base import AnalysisBase
+    from MDAnalysis.analysis.results import ResultsGroup
 
 TA_KINDS = (Kind.TA, Kind.EXHAUSTED)
 BLOCK = 10.0  # side of the blocks of a height field that count as independent, length
@@ -158,8 +154,7 @@ class StateAnalysis(AnalysisBase, ABC):  # type: ignore[misc]
     def __init__(self, universe: Any, **options: Any) -> None:
         super().__init__(universe.trajectory, **options)
         self.scene, ids = scene_and_triangles(universe)
-        is_membrane = np.asarray(universe.atoms.types) == str(int(Kind.MEMBRANE))
-        self._members = np.flatnonzero(is_membrane)
+        self._members = np.flatnonzero(universe.atoms.types == Kind.MEMBRANE.label)
         self._triangles = np.searchsorted(self._members, ids - 1)
 
     def run(self, *frames: Any, **options: Any) -> Self:
@@ -170,8 +165,24 @@ class StateAnalysis(AnalysisBase, ABC):  # type: ignore[misc]
             raise SkinError(f"trajectory {self._trajectory.filename}: {error}") from None
         return self
 
+    @classmethod
+    def get_supported_backends(cls) -> tuple[str, ...]:
+        """Where frames may be analysed: each is on its own."""
+        return "serial", "multiprocessing", "dask"
+
+    _analysis_algorithm_is_parallelizable = True
+
+    def _get_aggregator(self) -> ResultsGroup:
+        return ResultsGroup({"rows": ResultsGroup.flatten_sequence})
+
     def _prepare(self) -> None:
-        self._rows: list[tuple[Any, ...]] = []
+        self.results.rows = []
+
+    @property
+    def _rows(self) -> list[tuple[Any, ...]]:
+        """Of each frame, its time and the values of the columns."""
+        rows: list[tuple[Any, ...]] = self.results.rows
+        return rows
 
     def _single_frame(self) -> None:
         state = self._state(self._ts)
@@ -190,7 +201,7 @@ class StateAnalysis(AnalysisBase, ABC):  # type: ignore[misc]
     def _state(self, timestep: Any) -> State:
         data, positions = timestep.data, timestep.data["position"]
         cells = np.flatnonzero(np.isin(data["species"], CELLS))
-        box = np.array(self.scene.box_sides[:2])
+        box = np.array(data["edges"][:2])
         membrane = positions[self._members]
         places = positions[cells]
         return State(
@@ -217,14 +228,9 @@ class StateAnalysis(AnalysisBase, ABC):  # type: ignore[misc]
 def scene_and_triangles(universe: Any) -> tuple[Scene, Ints]:
     """Scene of the trajectory of a universe, and ids (t, 3) of the corners of its triangles.
 
-    Of a dump, they are in the directory in which it lies. Raises `SkinError` for a universe that
-    is not from `open_trajectory`.
+    Raises `SkinError` for a universe that is not from `open_trajectory`.
     """
-    reader = universe.trajectory
-    if isinstance(reader, SkinDumpReader):
-        directory = Path(reader.filename).parent
-        return load_built(directory), connectivity(directory)[1]
-    if isinstance(reader, SkinReader):
-        store = Store(reader.filename)
-        return store.scene, store.triangles
-    raise SkinError(f"universe {universe}: is not from open_trajectory")
+    try:
+        return universe.trajectory.scene, universe.trajectory.triangles
+    except AttributeError:
+        raise SkinError(f"universe {universe}: is not from open_trajectory") from None

@@ -108,7 +108,7 @@ def _open(path: Path) -> tuple[Scene, Dump | Store, Floats]:
         scene, frames = store.scene, store
     else:
         scene = load_built(path.parent)
-        frames = Dump(path, scene.kinds)
+        frames = Dump(path)
     if not len(frames):
         raise FigureError(f"trajectory {path}: holds no complete frame")
     steps = np.asarray(frames.steps)

@@ -49,7 +49,7 @@ def convert(directory: str | Path, output: str | Path | None = None) -> Converte
         raise SkinError(f"output {output}: is no file")
     part = output.with_name(output.name + ".part")
     scene = load_built(directory)
-    dump = Dump(directory / DUMP, scene.kinds)
+    dump = Dump(directory / DUMP)
     if not len(dump):
         raise SkinError(f"trajectory {dump.path}: holds no complete frame")
     earlier = _earlier(directory, dump, replacing=output == directory / STORE)

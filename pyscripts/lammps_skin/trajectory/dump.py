@@ -2,38 +2,53 @@
 
 from __future__ import annotations
 
+import math
 import mmap
+import warnings
+from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from lammps_skin.build import load_built
-from lammps_skin.errors import SkinError
+from lammps_skin.data_file import box_sides
+from lammps_skin.errors import DamagedError, reading
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Frame, Ints
+from lammps_skin.trajectory.check import check_frame
+from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Floats, Frame, Ints
 
 FIRST_ITEM = b"ITEM: TIME\n"
 HEADER = 11  # lines
+ITEMS = {
+    2: b"ITEM: TIMESTEP",
+    4: b"ITEM: NUMBER OF ATOMS",
+    6: b"ITEM: BOX BOUNDS",
+    10: b"ITEM: ATOMS",
+}
 PARTICLE_COLUMNS = ("id", "type", "x", "y", "z")
 STATE_COLUMNS = tuple(f"f_cells[{n}]" for n in range(1, len(CELL_STATE) + 1))
+WHOLE_COLUMNS = [n for n, name in enumerate(CELL_STATE, len(PARTICLE_COLUMNS)) if name in WHOLE]
+PARENT = len(PARTICLE_COLUMNS) + list(CELL_STATE).index("parent")
 
 
 class Place(NamedTuple):
-    """Where the text of a frame begins and ends, its step and its highest id."""
+    """Where the text of a frame begins and ends, its step and time, and its highest id."""
 
     begin: int
     end: int
     step: int
+    time: float
     highest: int
 
 
 class Dump:
     """The frames of a dump in the order of their steps; in memory are only their places.
 
-    A frame that is not complete, as the last one of a run that was killed, is left out. A run
-    that was resumed goes back to an earlier step and replaces what was written from there on: a
+    A frame that was cut off, as the last one of a run that was killed, is left out. A run that
+    was resumed goes back to an earlier step and replaces what was written from there on: a
     frame counts only if no later complete frame has the same or a lower step.
 
     Parameters
@@ -41,43 +56,48 @@ class Dump:
     path : path
         The skin.dump of a run.
     kinds : sequence of Kind, optional
-        Kinds of the LAMMPS types; those of the scene built beside the dump if not given.
+        Kinds of the LAMMPS types. If not given, they are those of the scene built beside the
+        dump, and all frames must have the box of its skin.data.
 
     Raises
     ------
+    DamagedError
+        For a file that is not a dump of this scene, or cannot be right.
     SkinError
-        For a file that cannot be read or is not a dump of this scene.
+        For one that cannot be read now.
     """
 
     def __init__(self, path: str | Path, kinds: Sequence[Kind] | None = None) -> None:
         self.path = Path(path)
-        self._numbers = np.array(
-            [0, *(load_built(self.path.parent).kinds if kinds is None else kinds)]
-        )
+        self._box: tuple[float, ...] | None = None
+        if kinds is None:
+            kinds = load_built(self.path.parent).kinds
+            self._box = box_sides(self.path.parent / "skin.data")
+        self._kinds = np.array(kinds, np.int64)
+        self._membrane: Ints | None = None
         self._places: list[Place] = []
-        try:
+        with self._reading():
             for place in _complete(self.path):
                 while self._places and self._places[-1].step >= place.step:
                     self._places.pop()
                 self._places.append(place)
-        except OSError as error:
-            raise SkinError(f"trajectory {path}: {error.strerror}") from None
-        except (ValueError, IndexError):
-            raise self._foreign() from None
 
     def __len__(self) -> int:
         return len(self._places)
 
     def __getitem__(self, n: int) -> Frame:
-        begin, end, step, _ = self._places[n]
-        try:
-            with self.path.open("rb") as file:
-                file.seek(begin)
-                return _frame(file.read(end - begin), step, self._numbers)
-        except OSError as error:
-            raise SkinError(f"trajectory {self.path}: {error.strerror}") from None
-        except (ValueError, IndexError):
-            raise self._foreign() from None
+        if self._membrane is None and n:
+            self[0]
+        place = self._places[n]
+        with self._reading(place.step):
+            frame = _frame(self._text(place), place, self._kinds)
+            check_frame(frame, self._kinds, self._membrane, self.slots)
+            if self._box and not np.allclose(frame.edges, self._box, rtol=1e-9, atol=0):
+                told = " x ".join(f"{side:g}" for side in frame.edges)
+                raise DamagedError(f"its box is {told}, that of skin.data another")
+        if self._membrane is None:
+            self._membrane = frame.ids[frame.kinds == Kind.MEMBRANE]
+        return frame
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[n] for n in range(len(self)))
@@ -88,12 +108,46 @@ class Dump:
         return [place.step for place in self._places]
 
     @property
+    def times(self) -> Floats:
+        """Times of the frames."""
+        return np.array([place.time for place in self._places])
+
+    @property
     def slots(self) -> int:
         """The highest id in any frame."""
         return max((place.highest for place in self._places), default=0)
 
-    def _foreign(self) -> SkinError:
-        return SkinError(f"trajectory {self.path}: is not a dump of this scene")
+    def parents(self, n: int, above: int) -> tuple[Ints, Ints]:
+        """Ids of the cells of a frame that are higher than some id, and of their mothers."""
+        place = self._places[n]
+        with self._reading(place.step):
+            *header, rows = self._text(place).split(b"\n", HEADER)
+            if len(header[10].split()) < 2 + len(PARTICLE_COLUMNS) + len(STATE_COLUMNS):
+                return np.empty(0, np.int64), np.empty(0, np.int64)
+            lines = rows.splitlines()
+            first = bisect_right(lines, above, key=lambda line: int(line.split(None, 1)[0]))
+            if first == len(lines):
+                return np.empty(0, np.int64), np.empty(0, np.int64)
+            values = _numbers(b"\n".join(lines[first:]), len(lines) - first)
+            cells = np.isin(self._kinds[values[:, 1].astype(int) - 1], CELLS)
+            return values[cells, 0].astype(np.int64), values[cells, PARENT].astype(np.int64)
+
+    def _text(self, place: Place) -> bytes:
+        with self.path.open("rb") as file:
+            file.seek(place.begin)
+            return file.read(place.end - place.begin)
+
+    @contextmanager
+    def _reading(self, step: int | None = None) -> Iterator[None]:
+        """What goes wrong within becomes a line about this dump, or about one of its frames."""
+        what = f"trajectory {self.path}"
+        frame = "" if step is None else f"frame of step {step}: "
+        try:
+            with reading(what):
+                yield
+        except DamagedError as error:
+            why = f"{error}".removeprefix(f"{what}: ").replace("is damaged", "no numbers or lines")
+            raise DamagedError(f"{what}: is not a dump of this scene ({frame}{why})") from None
 
 
 def read_dump(path: str | Path, kinds: Sequence[Kind] | None = None) -> Iterator[Frame]:
@@ -138,62 +192,100 @@ def _table(frame: Frame, kinds: Sequence[Kind], columns: int) -> np.ndarray:
     return rows[:, :columns]
 
 
+# ---- the text
+
+
 def _complete(path: Path) -> Iterator[Place]:
     """Every frame that is complete, as it stands in the file."""
-    if not path.stat().st_size:
+    size = path.stat().st_size
+    if not size:
         return
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as text:
         if not FIRST_ITEM.startswith(text[: len(FIRST_ITEM)]):
-            raise ValueError
-        begin = 0
+            raise DamagedError(f"it does not begin with {FIRST_ITEM.decode().strip()}")
+        begin, cut = 0, None  # step of a frame that was cut off: the run goes on from before it
         while begin >= 0:
             following = text.find(FIRST_ITEM, begin + 1)
-            place = _place(text[begin : following if following >= 0 else len(text)], begin)
-            if place:
-                yield place
+            found = _place(text[begin : following if following >= 0 else size], begin, size)
+            if isinstance(found, Place):
+                if cut is not None and found.step > cut:
+                    raise DamagedError(f"frame of step {cut}: lacks lines")
+                yield found
+            cut = None if isinstance(found, Place) else found
             begin = following
 
 
-def _place(text: bytes, begin: int) -> Place | None:
-    """Place of the frame in a text that starts with its first line; None if it is cut off.
+def _place(text: bytes, begin: int, size: int) -> Place | int | None:
+    """Place of the frame in a text that starts with its first line.
 
-    What may follow its last line is the beginning of the next frame's first one.
+    If it is cut off: its step, or None if not even that is there. What may follow its last line
+    is the beginning of the next frame's first one.
     """
     end = text.rfind(b"\n") + 1
     header = text.split(b"\n", HEADER)[:HEADER]
-    if text.count(b"\n") < HEADER or not FIRST_ITEM.startswith(text[end:]):
-        return None
-    if header[2] != b"ITEM: TIMESTEP" or header[4] != b"ITEM: NUMBER OF ATOMS":
-        raise ValueError
-    if text.count(b"\n") != HEADER + int(header[5]):
-        return None
+    lines = text.count(b"\n")
+    if lines < HEADER:
+        return int(header[3]) if lines >= 4 else None
+    for line, item in ITEMS.items():
+        if not header[line].startswith(item):
+            raise DamagedError(f"its line {line + 1} is not {item.decode()}")
+    step, time, rows = int(header[3]), float(header[1]), int(header[5])
+    what = f"frame of step {step}"
+    if lines < HEADER + rows:
+        return step
+    if lines > HEADER + rows or not FIRST_ITEM.startswith(text[end:]):
+        raise DamagedError(f"{what}: has more lines than the {rows:,} of its particles")
+    if rows < 1 or step < 0 or not 0 <= time < math.inf:
+        raise DamagedError(f"{what}: has {rows} particles and the time {time:g}")
     last = text[text.rfind(b"\n", 0, end - 1) + 1 : end].split()
-    return Place(begin, begin + end, int(header[3]), int(last[0]))
+    if not last or not 0 < int(last[0]) <= size:  # so many ids need more text
+        raise DamagedError(f"{what}: its last line has no possible id")
+    return Place(begin, begin + end, step, time, int(last[0]))
 
 
-def _frame(text: bytes, step: int, numbers: Ints) -> Frame:
+def _frame(text: bytes, place: Place, kinds: Ints) -> Frame:
     """Lines 7 to 9 are the bounds of the box, line 10 names the columns."""
     *header, rows = text.split(b"\n", HEADER)
     bounds = np.array([line.split() for line in header[7:10]], float)
-    columns = [name.decode() for name in header[10].split()[2:]]
-    if tuple(columns[:5]) != PARTICLE_COLUMNS or tuple(columns[5:]) not in ((), STATE_COLUMNS):
-        raise ValueError
-    values = np.fromstring(rows, sep=" ").reshape(int(header[5]), len(columns))
-    ids = values[:, 0].astype(np.int64)
+    if bounds.shape != (3, 2) or bounds[:, 0].any():
+        raise DamagedError("its box does not begin at the origin, or is tilted")
+    columns = tuple(name.decode() for name in header[10].split()[2:])
+    if columns not in (PARTICLE_COLUMNS, PARTICLE_COLUMNS + STATE_COLUMNS):
+        raise DamagedError(f"its columns are {' '.join(columns)}")
+    values = _numbers(rows, int(header[5]))
+    whole = values[:, [0, 1, *(n for n in WHOLE_COLUMNS if n < len(columns))]]
+    if not (np.isfinite(whole).all() and (whole == np.rint(whole)).all()):
+        raise DamagedError("has an id, a type or a count that is not a whole number")
+    ids, types = values[:, 0].astype(np.int64), values[:, 1].astype(int)
     if (np.diff(ids, prepend=0) < 1).any():
-        raise ValueError
-    kinds = numbers[values[:, 1].astype(int)]
-    is_cell = np.isin(kinds, CELLS)
+        raise DamagedError("its ids do not rise from 1 on")
+    if types.min() < 1 or types.max() > len(kinds):
+        raise DamagedError(f"has types from {types.min()} to {types.max()}, of {len(kinds)}")
+    numbers = kinds[types - 1]
+    is_cell = np.isin(numbers, CELLS)
     state = {}
-    for n, (name, fill) in enumerate(CELL_STATE.items(), 5):
-        column = np.where(is_cell, values[:, n], fill) if columns[5:] else np.full(len(kinds), fill)
+    for n, (name, fill) in enumerate(CELL_STATE.items(), len(PARTICLE_COLUMNS)):
+        given = values[:, n] if n < len(columns) else fill
+        column = np.where(is_cell, given, fill)
         state[name] = column.astype(np.int64) if name in WHOLE else column
     return Frame(
-        step=step,
-        time=float(header[1]),
-        edges=bounds[:, 1] - bounds[:, 0],
+        step=place.step,
+        time=place.time,
+        edges=bounds[:, 1],
         ids=ids,
-        kinds=kinds,
+        kinds=numbers.astype(np.int64),
         positions=values[:, 2:5].copy(),
         state=state,
     )
+
+
+def _numbers(text: bytes, rows: int) -> Floats:
+    """Numbers of so many lines; raises `ValueError` if it holds anything else, or a blank line."""
+    if b"\n\n" in text or text.startswith(b"\n"):
+        raise DamagedError("has a blank line")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # what is no number ends the reading, and is told thus
+        try:
+            return np.fromstring(text, sep=" ").reshape(rows, -1)
+        except DeprecationWarning:
+            raise ValueError from None

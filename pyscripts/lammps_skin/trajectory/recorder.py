@@ -127,7 +127,7 @@ class Recorder:
         """Whether `lmp` has run the scene last, and come to a frame."""
         dump = directory / DUMP
         last = dump.exists() and trajectory_of(directory) == dump
-        return last and len(Dump(dump, self._scene.kinds)) > 0
+        return last and len(Dump(dump)) > 0
 
     def _add(self, *frames: Frame) -> None:
         """Add to skin.h5.next what it lacks and a frame, and let the two change places.

@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-import h5py
 import numpy as np
 
-from lammps_skin.errors import SkinError, reading
+from lammps_skin.errors import DamagedError, SkinError, reading
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
+from lammps_skin.trajectory.check import check_frame, opened, read_headers
 from lammps_skin.trajectory.dump import Dump
-from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, Frame
-from lammps_skin.trajectory.writer import GROUP
+from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, Frame, Ints
 
 STORE, DUMP = "skin.h5", "skin.dump"
 
 
 class Store:
-    """The frames of a skin.h5; in memory are only their steps.
+    """The frames of a skin.h5; in memory are only their steps and times.
+
+    The file is open as long as the object exists, so that a run that goes on changes nothing in
+    what it gives.
 
     Attributes
     ----------
+    steps, times : (f,) arrays
+    slots : int
+        The highest id ever given out.
     scene : Scene
     links : (l, 2) array of int
         Ids of linked membrane particles.
@@ -32,57 +36,89 @@ class Store:
 
     Raises
     ------
+    DamagedError
+        For a file that is no trajectory in HDF5, or that cannot be right.
     SkinError
-        For a file that is no trajectory in HDF5.
+        For one that cannot be read now.
     """
 
     def __init__(self, path: str | Path) -> None:
         self.path = Path(path)
-        try:
-            with h5py.File(path) as file:
-                self.steps = file[f"{GROUP}/position/step"][:]
-                self.slots = int(file[f"{GROUP}/id/value"].shape[1])
-                self.scene = Scene.from_dict(tomllib.loads(file["parameters"].attrs["scene"]))
-                self.links = file["connectivity/links"][:].astype(np.int64)
-                self.triangles = file["connectivity/triangles"][:].astype(np.int64)
-        except (OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError):
-            raise SkinError(f"trajectory {path}: is no trajectory in HDF5") from None
+        self._open()
+
+    def _open(self) -> None:
+        self._file = opened(self.path)
+        headers = read_headers(self._file, self.path)
+        self.steps, self.times, self.slots, self.scene = headers[:4]
+        self.links, self.triangles = headers.members["links"], headers.members["triangles"]
+        self._values = headers.values
+        self._membrane: Ints | None = None
         if len(self):
-            self._check_members(self[0])
+            first = self[0]
+            self._membrane = first.ids[first.kinds == Kind.MEMBRANE]
+            for name, members in headers.members.items():
+                if not np.isin(members, self._membrane).all():
+                    raise DamagedError(
+                        f"trajectory {self.path}: its {name} are not those of its membrane"
+                    )
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
 
     def __len__(self) -> int:
         return len(self.steps)
 
-    def _check_members(self, first: Frame) -> None:
-        """Links and triangles are of particles of the membrane."""
-        membrane = first.ids[first.kinds == Kind.MEMBRANE]
-        for name, members in (("links", self.links), ("triangles", self.triangles)):
-            if not np.isin(members, membrane).all():
-                raise SkinError(f"trajectory {self.path}: its {name} are not those of its membrane")
-
     def __getitem__(self, n: int) -> Frame:
-        with reading(f"trajectory {self.path}: frame {n}"), h5py.File(self.path) as file:
-            group = file[GROUP]
-            ids = group["id/value"][n]
+        step = int(self.steps[n])
+        what = f"trajectory {self.path}: frame {n}"
+        with reading(what):
+            ids = self._values["id"][n]
             here = ids != ABSENT
+            if not np.array_equal(ids[here], np.flatnonzero(here) + 1):
+                raise DamagedError(f"{what}: ids are not those of their slots")
             values = {
-                name: group[name]["value"][n][here] for name in ("position", "species", *CELL_STATE)
+                name: self._values[name][n][here] for name in ("position", "species", *CELL_STATE)
             }
-            return Frame(
-                step=int(self.steps[n]),
-                time=float(group["position/time"][n]),
-                edges=group["box/edges/value"][n],
+            frame = Frame(
+                step=step,
+                time=float(self.times[n]),
+                edges=self._values["edges"][n].astype(float),
                 ids=ids[here].astype(np.int64),
                 kinds=values.pop("species").astype(np.int64),
-                positions=values.pop("position"),
+                positions=values.pop("position").astype(float),
                 state={
-                    name: column.astype(np.int64) if column.dtype.kind == "i" else column
+                    name: column.astype(np.int64 if column.dtype.kind == "i" else float)
                     for name, column in values.items()
                 },
             )
+        try:
+            check_frame(frame, self.scene.kinds, self._membrane, self.slots)
+        except DamagedError as error:
+            raise DamagedError(f"{what}: {error}") from None
+        return frame
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[n] for n in range(len(self)))
+
+    def parents(self, n: int, above: int) -> tuple[Ints, Ints]:
+        """Ids of the cells of a frame that are higher than some id, and of their mothers."""
+        with reading(f"trajectory {self.path}: frame {n}"):
+            told = self._values["parent"][n, above:].astype(np.int64)
+        cells = np.flatnonzero(told != ABSENT)
+        return cells + above + 1, told[cells]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"path": self.path, "steps": self.steps}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Open the file again; it may have gone on, but must be the same up to here."""
+        self.path = state["path"]
+        self._open()
+        frames = len(state["steps"])
+        if not np.array_equal(self.steps[:frames], state["steps"]):
+            raise SkinError(f"trajectory {self.path}: has been replaced by another one")
+        self.steps, self.times = self.steps[:frames], self.times[:frames]
 
 
 def trajectory_of(run: str | Path) -> Path:

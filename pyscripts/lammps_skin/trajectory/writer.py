@@ -19,11 +19,11 @@ from lammps_skin.build import to_toml
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.scene import Scene
+from lammps_skin.trajectory.check import GROUP
 from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, WHOLE, Frame, Ints
 from lammps_skin.trajectory.hdf5 import open_hdf5
 from lammps_skin.versions import versions
 
-GROUP = "particles/trajectory"
 SLOTS_PER_CHUNK = 4096
 PACKED = {"compression": "gzip", "shuffle": True}
 BOUNDARY = ("periodic", "periodic", "none")

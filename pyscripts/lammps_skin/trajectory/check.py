@@ -1,0 +1,245 @@
+"""Whether a trajectory can be what it says: the one place that looks, before anything uses it.
+
+Headers are checked when a file is opened, and each frame when it is read. What is refused here is
+a `DamagedError` that names the element or the frame.
+"""
+
+from __future__ import annotations
+
+import time
+import tomllib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+
+from lammps_skin.errors import DamagedError, SkinError, reading
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.scene import Scene
+from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Floats, Frame, Ints
+
+GROUP = "particles/trajectory"
+MEMBERS = {"links": 2, "triangles": 3}  # of the membrane, and how many ids each has
+INTEGER = 2**31 - 1
+LARGEST_CHUNK = 2**22  # bytes that a chunk may have when it is unpacked; ours have 98,304
+SLOTS_PER_BYTE = 8  # at most, of a file
+MOST_PER_SLOT = 1000  # links or triangles, or sites of the lattice
+ATTEMPTS, PAUSE = 20, 0.05  # at a file that a run is just about to replace
+
+
+class Headers(NamedTuple):
+    """What a skin.h5 says of all its frames.
+
+    Attributes
+    ----------
+    steps, times : (f,) arrays
+    slots : int
+    scene : Scene
+    members : dict
+        Ids of the particles of the links (l, 2) and triangles (t, 3) of the membrane.
+    values : dict
+        The dataset of each element of the particles.
+    """
+
+    steps: Ints
+    times: Floats
+    slots: int
+    scene: Scene
+    members: dict[str, Ints]
+    values: dict[str, Any]
+
+
+# ---- a file in HDF5
+
+
+def opened(path: Path) -> h5py.File:
+    """The file, open for reading.
+
+    Raises
+    ------
+    DamagedError
+        If it is no file in HDF5, or has been cut off.
+    SkinError
+        If it cannot be read now; the text says why.
+    """
+    with reading(f"trajectory {path}"):
+        for _ in range(ATTEMPTS):
+            try:
+                return h5py.File(path)
+            except BlockingIOError:  # it was replaced while it was opened, and is locked
+                time.sleep(PAUSE)
+            except OSError as error:
+                if error.errno is None:
+                    raise DamagedError(f"trajectory {path}: is no trajectory in HDF5") from None
+                raise
+        return h5py.File(path)
+
+
+def read_headers(file: h5py.File, path: Path) -> Headers:
+    """Check all of a file but the contents of its frames."""
+    with reading(f"trajectory {path}"):
+        return _Checked(file, path).headers()
+
+
+class _Checked:
+    """Access to a file in which nobody is trusted."""
+
+    def __init__(self, file: h5py.File, path: Path) -> None:
+        self._file = file
+        self._path = path
+        self._size = file.id.get_filesize()
+
+    def headers(self) -> Headers:
+        for name in ("particles", GROUP, f"{GROUP}/id", "parameters"):
+            if name not in self._file:
+                raise DamagedError(f"trajectory {self._path}: is no trajectory in HDF5")
+        steps, times = self._axis("step", "i"), self._axis("time", "f")
+        if len(steps) != len(times):
+            raise self._wrong(f"has {len(steps)} steps and {len(times)} times")
+        for name, values in (("steps", steps), ("times", times)):
+            if len(values) and not (values[0] >= 0 and (np.diff(values) > 0).all()):
+                raise self._wrong(f"its {name} do not rise from 0 or later")
+        if not np.isfinite(times).all():
+            raise self._wrong("its times are not all finite")
+        slots = self._slots()
+        frames = len(steps)
+        values = {"edges": self._dataset(f"{GROUP}/box/edges/value", "f", (frames, 3))}
+        for name, (kind, inner) in ELEMENTS.items():
+            values[name] = self._dataset(f"{GROUP}/{name}/value", kind, (frames, slots, *inner))
+        scene = self._scene(slots)
+        members = {name: self._members(name, width, slots) for name, width in MEMBERS.items()}
+        return Headers(steps.astype(np.int64), times, slots, scene, members, values)
+
+    def _wrong(self, why: str) -> DamagedError:
+        return DamagedError(f"trajectory {self._path}: {why}")
+
+    def _axis(self, name: str, kind: str) -> Any:
+        """The steps or times, which are those of all elements."""
+        dataset = self._dataset(f"{GROUP}/position/{name}", kind, (None,))
+        if 8 * len(dataset) > self._size:
+            raise self._wrong(f"{len(dataset):,} frames cannot be in {self._size:,} bytes")
+        return dataset[:]
+
+    def _slots(self) -> int:
+        slots = int(self._dataset(f"{GROUP}/id/value", "i", (None, None)).shape[1])
+        if slots > SLOTS_PER_BYTE * self._size:
+            raise self._wrong(f"{slots:,} slots cannot be in {self._size:,} bytes")
+        return slots
+
+    def _members(self, name: str, width: int, slots: int) -> Ints:
+        dataset = self._dataset(f"connectivity/{name}", "i", (None, width))
+        if len(dataset) > MOST_PER_SLOT * slots:
+            raise self._wrong(f"{len(dataset):,} {name} are too many for {slots:,} slots")
+        members: Ints = dataset[:].astype(np.int64)
+        return members
+
+    def _scene(self, slots: int) -> Scene:
+        text = self._file["parameters"].attrs["scene"]
+        try:
+            scene = Scene.from_dict(tomllib.loads(text))
+        except (SkinError, tomllib.TOMLDecodeError) as error:
+            raise self._wrong(f"its scene cannot be: {str(error).splitlines()[0]}") from None
+        if np.prod(scene.membrane.lattice, dtype=float) > MOST_PER_SLOT * max(slots, 1):
+            raise self._wrong(f"its scene has a lattice too large for {slots:,} slots")
+        return scene
+
+    def _dataset(self, name: str, kind: str, shape: tuple[int | None, ...]) -> Any:
+        """A dataset that lies in this file, of a kind of numbers and a shape; None is any size."""
+        dataset = self._followed(name)
+        if not isinstance(dataset, h5py.Dataset):
+            raise self._wrong(f"{name} is no dataset")
+        if dataset.external or dataset.is_virtual:
+            raise self._wrong(f"{name} is stored in another file")
+        if dataset.dtype.kind != kind or dataset.dtype.itemsize not in (4, 8):
+            raise self._wrong(f"{name} has numbers of the type {dataset.dtype}")
+        if len(dataset.shape) != len(shape) or any(
+            wanted not in (None, size) for wanted, size in zip(shape, dataset.shape, strict=True)
+        ):
+            form = " x ".join("any" if size is None else f"{size}" for size in shape)
+            raise self._wrong(f"{name} has the shape {dataset.shape}; must be {form}")
+        if dataset.chunks is None and dataset.id.get_storage_size() < dataset.nbytes:
+            raise self._wrong(f"{name} has {dataset.nbytes:,} bytes that are not in the file")
+        unpacked = np.prod(dataset.chunks or (0,), dtype=float) * dataset.dtype.itemsize
+        if unpacked > LARGEST_CHUNK:
+            raise self._wrong(f"{name} has chunks of {unpacked:,.0f} bytes")
+        parent = self._file[name.rsplit("/", 1)[0]]
+        if "unit" in dataset.attrs or "unit" in parent.attrs:
+            raise self._wrong(f"{name} has a unit; these files are in reduced units")
+        return dataset
+
+    def _followed(self, name: str) -> Any:
+        """What a path leads to; no step of it may be a link to somewhere else."""
+        here: Any = self._file
+        for part in name.split("/"):
+            link = here.get(part, getlink=True) if isinstance(here, h5py.Group) else None
+            if link is None:
+                raise self._wrong(f"{name} is missing")
+            if not isinstance(link, h5py.HardLink):
+                raise self._wrong(f"{name} is a link to somewhere else")
+            here = here[part]
+        return here
+
+
+ELEMENTS: dict[str, tuple[str, tuple[int, ...]]] = {
+    "position": ("f", (3,)),
+    "id": ("i", ()),
+    "species": ("i", ()),
+    **{name: ("i" if name in WHOLE else "f", ()) for name in CELL_STATE},
+}
+
+
+# ---- a frame of any file
+
+
+def check_frame(frame: Frame, kinds: Sequence[int], members: Ints | None, slots: int) -> None:
+    """Raise `DamagedError` if the particles of a frame cannot be those of a scene.
+
+    Parameters
+    ----------
+    frame : Frame
+    kinds : sequence of int
+        Those that the scene has.
+    members : (m,) array of int or None
+        Ids of the membrane in another frame, which are the same in all.
+    slots : int
+        The highest id that there can be.
+    """
+    for reason in _reasons(frame, kinds, members, slots):
+        raise DamagedError(reason)
+
+
+def _reasons(
+    frame: Frame, kinds: Sequence[int], members: Ints | None, slots: int
+) -> Iterator[str]:
+    ids, positions = frame.ids, frame.positions
+    if not len(ids):
+        yield "there is no particle"
+        return
+    known = np.isin(frame.kinds, kinds)
+    if not known.all():
+        first = known.argmin()
+        yield f"particle {ids[first]} is of kind {frame.kinds[first]}, which the scene has not"
+    finite = np.isfinite(positions).all(axis=1)
+    if not finite.all():
+        yield f"the position of particle {ids[finite.argmin()]} is not finite"
+    if not (np.isfinite(frame.edges).all() and (frame.edges > 0).all()):
+        yield f"the box has the sides {frame.edges.tolist()}"
+    membrane = ids[frame.kinds == Kind.MEMBRANE]
+    if not len(membrane):
+        yield "there is no membrane particle"
+    if members is not None and not np.array_equal(membrane, members):
+        yield "its membrane is not that of the first frame"
+    is_cell = np.isin(frame.kinds, CELLS)
+    cells = ids[is_cell]
+    for name, values in frame.state.items():
+        column = values[is_cell]
+        right = np.isfinite(column) if name not in WHOLE else (column >= 0) & (column <= INTEGER)
+        if name == "partner":
+            right = (column == 0) | np.isin(column, membrane)
+        elif name == "pair":
+            right &= column <= slots
+        if not right.all():
+            first = right.argmin()
+            yield f"{name} of cell {cells[first]} is {column[first]}"
