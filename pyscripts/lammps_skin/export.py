@@ -12,12 +12,10 @@ import pyvista
 
 from lammps_skin.analysis.curvature import curvature
 from lammps_skin.analysis.geometry import minimum_image
-from lammps_skin.build import load_built
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.output import completed
 from lammps_skin.scene import Scene
-from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.dump import Dump, write_dump
 from lammps_skin.trajectory.frame import Frame, Ints
 from lammps_skin.trajectory.store import DUMP, Store, trajectory_of
@@ -39,15 +37,10 @@ def recorded(run: str | Path) -> Recorded:
     path = Path(run)
     if path.is_dir():
         path = trajectory_of(path)
-    if path.suffix == Path(DUMP).suffix:
-        scene = load_built(path.parent)
-        found = Recorded(Dump(path), scene, connectivity(path.parent)[1])
-    else:
-        store = Store(path)
-        found = Recorded(store, store.scene, store.triangles)
-    if not len(found.frames):
+    frames = (Dump if path.suffix == Path(DUMP).suffix else Store)(path)
+    if not len(frames):
         raise SkinError(f"trajectory {path}: holds no complete frame")
-    return found
+    return Recorded(frames, frames.scene, frames.triangles)
 
 
 # ---- ParaView

@@ -100,7 +100,7 @@ def test_what_cannot_be_exported_is_refused(run, tmp_path, capsys):
         (tmp_path, "--to", "vtk"): "holds no trajectory (neither skin.h5 nor skin.dump)",
         (run.directory, "--to", "dump"): "skin.dump: is there already",
         (run.directory, "--to", "vtk", "-o", tmp_path / "file"): "file: File exists",
-        (tmp_path / "none.h5", "--to", "vtk"): "none.h5: is no trajectory in HDF5",
+        (tmp_path / "none.h5", "--to", "vtk"): "none.h5: No such file or directory",
         (run.directory, "--to", "xyz"): "'xyz' is not one of",
     }
     for arguments, text in cases.items():

@@ -16,6 +16,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+from lammps_skin.build import build
 from lammps_skin.engine import Cells, Forces
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
@@ -90,6 +91,15 @@ def test_what_is_given_to_lammps_is_in_the_file(run, tmp_path):
     with h5py.File(tmp_path / "skin.h5") as file:
         assert file["parameters"].attrs["seed"] == 77
         assert dict(file["parameters/variables"].attrs) == {"seed": "77", "dump_interval": "0.25"}
+
+
+def test_the_box_is_that_of_the_configuration(run, tmp_path):
+    """Which need not be that of the scene."""
+    configuration = high_cells(run.scene)
+    configuration.box = np.array([*configuration.box[:2], 60.0])
+    build(run.scene, tmp_path, configuration)
+    next(replay(run, Recorder(tmp_path, run.scene, {})))
+    assert Store(tmp_path / "skin.h5")[0].edges.tolist() == configuration.box.tolist()
 
 
 # ---- the run
@@ -207,7 +217,7 @@ def test_a_dump_does_not_replace_what_has_gone_on_after_it(run, built):
     shutil.copy(run.directory / "skin.dump", built)
     shutil.copy(run.directory / "skin.h5", built)
     convert(built)  # as far as the dump: it may be made again
-    later = dataclasses.replace(run.frames[-1], step=5000)
+    later = dataclasses.replace(run.frames[-1], step=5000, time=50.0)
     with TrajectoryWriter.append(built / "skin.h5") as writer:
         writer.write(later)
     with pytest.raises(SkinError, match=r"skin\.h5: has gone on after .*skin\.dump was written"):

@@ -62,7 +62,8 @@ def test_what_does_not_live_is_nothing(run, universe):
         universe.trajectory[n]
         absent = universe.select_atoms("alive 0")
         assert len(absent) == len(universe.atoms) - len(frame.ids)
-        assert set(absent.types) | set(absent.names) <= {"absent"} and np.isnan(absent.positions).all()
+        assert set(absent.types) | set(absent.names) <= {"absent"}
+        assert np.isnan(absent.positions).all() and np.isnan(absent.radii).all()
         assert (absent.divisions_left == -1).all() and np.isnan(absent.birth_time).all()
 
 

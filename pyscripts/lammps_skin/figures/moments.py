@@ -11,7 +11,6 @@ import MDAnalysis
 import numpy as np
 
 from lammps_skin.analysis.geometry import Floats, Ints
-from lammps_skin.build import load_built
 from lammps_skin.errors import FigureError
 from lammps_skin.kinds import Kind
 from lammps_skin.scene import Scene
@@ -102,14 +101,7 @@ def _open(path: Path) -> tuple[Scene, Dump | Store, Floats]:
     """Scene, frames and their times (f,)."""
     if not path.is_file():
         raise FigureError(f"run {path}: there is no such directory or file")
-    frames: Dump | Store
-    if path.suffix == Path(STORE).suffix:
-        store = Store(path)
-        scene, frames = store.scene, store
-    else:
-        scene = load_built(path.parent)
-        frames = Dump(path)
+    frames = (Store if path.suffix == Path(STORE).suffix else Dump)(path)
     if not len(frames):
         raise FigureError(f"trajectory {path}: holds no complete frame")
-    steps = np.asarray(frames.steps)
-    return scene, frames, frames[0].time + (steps - steps[0]) * scene.numerics.timestep
+    return frames.scene, frames, np.asarray(frames.times)

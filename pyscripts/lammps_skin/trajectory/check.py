@@ -6,6 +6,7 @@ a `DamagedError` that names the element or the frame.
 
 from __future__ import annotations
 
+import math
 import time
 import tomllib
 from collections.abc import Iterator, Sequence
@@ -24,8 +25,7 @@ GROUP = "particles/trajectory"
 MEMBERS = {"links": 2, "triangles": 3}  # of the membrane, and how many ids each has
 INTEGER = 2**31 - 1
 LARGEST_CHUNK = 2**22  # bytes that a chunk may have when it is unpacked; ours have 98,304
-SLOTS_PER_BYTE = 8  # at most, of a file
-MOST_PER_SLOT = 1000  # links or triangles, or sites of the lattice
+MOST_PER_BYTE = 8  # slots of a file, or sites of the lattice of its scene
 ATTEMPTS, PAUSE = 20, 0.05  # at a file that a run is just about to replace
 
 
@@ -108,8 +108,8 @@ class _Checked:
         values = {"edges": self._dataset(f"{GROUP}/box/edges/value", "f", (frames, 3))}
         for name, (kind, inner) in ELEMENTS.items():
             values[name] = self._dataset(f"{GROUP}/{name}/value", kind, (frames, slots, *inner))
-        scene = self._scene(slots)
-        members = {name: self._members(name, width, slots) for name, width in MEMBERS.items()}
+        scene = self._scene()
+        members = {name: self._members(name, width) for name, width in MEMBERS.items()}
         return Headers(steps.astype(np.int64), times, slots, scene, members, values)
 
     def _wrong(self, why: str) -> DamagedError:
@@ -118,31 +118,32 @@ class _Checked:
     def _axis(self, name: str, kind: str) -> Any:
         """The steps or times, which are those of all elements."""
         dataset = self._dataset(f"{GROUP}/position/{name}", kind, (None,))
-        if 8 * len(dataset) > self._size:
-            raise self._wrong(f"{len(dataset):,} frames cannot be in {self._size:,} bytes")
+        self._bound(len(dataset), "frames", 1 / 8)
         return dataset[:]
 
     def _slots(self) -> int:
         slots = int(self._dataset(f"{GROUP}/id/value", "i", (None, None)).shape[1])
-        if slots > SLOTS_PER_BYTE * self._size:
-            raise self._wrong(f"{slots:,} slots cannot be in {self._size:,} bytes")
+        self._bound(slots, "slots", MOST_PER_BYTE)
         return slots
 
-    def _members(self, name: str, width: int, slots: int) -> Ints:
+    def _bound(self, number: int, name: str, per_byte: float = 1) -> None:
+        """Raise `DamagedError` if there are more of something than the file can hold."""
+        if number > per_byte * self._size:
+            raise self._wrong(f"{number:,} {name} cannot be in {self._size:,} bytes")
+
+    def _members(self, name: str, width: int) -> Ints:
         dataset = self._dataset(f"connectivity/{name}", "i", (None, width))
-        if len(dataset) > MOST_PER_SLOT * slots:
-            raise self._wrong(f"{len(dataset):,} {name} are too many for {slots:,} slots")
+        self._bound(len(dataset), name)
         members: Ints = dataset[:].astype(np.int64)
         return members
 
-    def _scene(self, slots: int) -> Scene:
+    def _scene(self) -> Scene:
         text = self._file["parameters"].attrs["scene"]
         try:
             scene = Scene.from_dict(tomllib.loads(text))
         except (SkinError, tomllib.TOMLDecodeError) as error:
             raise self._wrong(f"its scene cannot be: {str(error).splitlines()[0]}") from None
-        if np.prod(scene.membrane.lattice, dtype=float) > MOST_PER_SLOT * max(slots, 1):
-            raise self._wrong(f"its scene has a lattice too large for {slots:,} slots")
+        self._bound(math.prod(scene.membrane.lattice), "sites of its lattice", MOST_PER_BYTE)
         return scene
 
     def _dataset(self, name: str, kind: str, shape: tuple[int | None, ...]) -> Any:
@@ -193,7 +194,9 @@ ELEMENTS: dict[str, tuple[str, tuple[int, ...]]] = {
 # ---- a frame of any file
 
 
-def check_frame(frame: Frame, kinds: Sequence[int], members: Ints | None, slots: int) -> None:
+def check_frame(
+    frame: Frame, kinds: Sequence[int] | Ints, members: Ints | None, slots: int
+) -> None:
     """Raise `DamagedError` if the particles of a frame cannot be those of a scene.
 
     Parameters
@@ -211,7 +214,7 @@ def check_frame(frame: Frame, kinds: Sequence[int], members: Ints | None, slots:
 
 
 def _reasons(
-    frame: Frame, kinds: Sequence[int], members: Ints | None, slots: int
+    frame: Frame, kinds: Sequence[int] | Ints, members: Ints | None, slots: int
 ) -> Iterator[str]:
     ids, positions = frame.ids, frame.positions
     if not len(ids):
@@ -221,9 +224,9 @@ def _reasons(
     if not known.all():
         first = known.argmin()
         yield f"particle {ids[first]} is of kind {frame.kinds[first]}, which the scene has not"
-    finite = np.isfinite(positions).all(axis=1)
+    finite = np.isfinite(positions)
     if not finite.all():
-        yield f"the position of particle {ids[finite.argmin()]} is not finite"
+        yield f"the position of particle {ids[finite.all(axis=1).argmin()]} is not finite"
     if not (np.isfinite(frame.edges).all() and (frame.edges > 0).all()):
         yield f"the box has the sides {frame.edges.tolist()}"
     membrane = ids[frame.kinds == Kind.MEMBRANE]
@@ -231,7 +234,7 @@ def _reasons(
         yield "there is no membrane particle"
     if members is not None and not np.array_equal(membrane, members):
         yield "its membrane is not that of the first frame"
-    is_cell = np.isin(frame.kinds, CELLS)
+    is_cell = np.flatnonzero(np.isin(frame.kinds, CELLS))
     cells = ids[is_cell]
     for name, values in frame.state.items():
         column = values[is_cell]

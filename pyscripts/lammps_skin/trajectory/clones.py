@@ -12,7 +12,8 @@ from lammps_skin.trajectory.frame import Ints
 class Frames(Protocol):
     """The frames of a `Store` or a `Dump`."""
 
-    slots: int
+    @property
+    def slots(self) -> int: ...
 
     def __len__(self) -> int: ...
 

@@ -8,6 +8,7 @@ import warnings
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,7 +18,9 @@ from lammps_skin.build import load_built
 from lammps_skin.data_file import box_sides
 from lammps_skin.errors import DamagedError, reading
 from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.scene import Scene
 from lammps_skin.trajectory.check import check_frame
+from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Floats, Frame, Ints
 
 FIRST_ITEM = b"ITEM: TIME\n"
@@ -71,7 +74,7 @@ class Dump:
         self.path = Path(path)
         self._box: tuple[float, ...] | None = None
         if kinds is None:
-            kinds = load_built(self.path.parent).kinds
+            kinds = self.scene.kinds
             self._box = box_sides(self.path.parent / "skin.data")
         self._kinds = np.array(kinds, np.int64)
         self._membrane: Ints | None = None
@@ -101,6 +104,25 @@ class Dump:
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[n] for n in range(len(self)))
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene built beside the dump."""
+        return load_built(self.path.parent)
+
+    @property
+    def links(self) -> Ints:
+        """Ids of linked membrane particles (l, 2)."""
+        return self._members[0]
+
+    @property
+    def triangles(self) -> Ints:
+        """Ids of the corners of its triangles (t, 3), as in `Store`."""
+        return self._members[1]
+
+    @cached_property
+    def _members(self) -> tuple[Ints, Ints]:
+        return connectivity(self.path.parent)
 
     @property
     def steps(self) -> list[int]:

@@ -16,15 +16,13 @@ from typing import Any
 import h5py
 import numpy as np
 
-from lammps_skin.build import load_built
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.scene import Scene
 from lammps_skin.trajectory.attributes import ATTRIBUTES
 from lammps_skin.trajectory.clones import clones
-from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.dump import FIRST_ITEM, Dump
-from lammps_skin.trajectory.frame import ABSENT, Floats, Ints
+from lammps_skin.trajectory.frame import ABSENT, Floats
 from lammps_skin.trajectory.store import DUMP, STORE, Store
 
 with warnings.catch_warnings():
@@ -61,22 +59,13 @@ class FrameReader(ReaderBase):  # type: ignore[misc]
             raise SkinError(f"trajectory {filename}: holds no complete frame")
         self.n_atoms = self.frames.slots
         self.n_frames = len(self.frames)
+        self.scene, self.triangles = self.frames.scene, self.frames.triangles
         self._radii = _radii(self.scene)
         self.ts = self._Timestep(self.n_atoms, positions=True, **self._ts_kwargs)
         if "dt" not in self._ts_kwargs:
             self.ts.dt = self._distance()
         self._reopen()
         self._read_next_timestep()
-
-    @property
-    def scene(self) -> Scene:
-        """What was run."""
-        raise NotImplementedError
-
-    @property
-    def triangles(self) -> Ints:
-        """Ids (t, 3) of the corners of the triangles of the membrane."""
-        raise NotImplementedError
 
     @classmethod
     def parse_n_atoms(cls, filename: str | Path, **_: Any) -> int:
@@ -157,14 +146,6 @@ class SkinReader(FrameReader):
     def _format_hint(thing: Any) -> bool:
         return _is_store(thing)
 
-    @property
-    def scene(self) -> Scene:
-        return self.frames.scene  # type: ignore[no-any-return]
-
-    @property
-    def triangles(self) -> Ints:
-        return self.frames.triangles  # type: ignore[no-any-return]
-
 
 class SkinDumpReader(FrameReader):
     """Reader of skin.dump, whose scene lies beside it."""
@@ -175,14 +156,6 @@ class SkinDumpReader(FrameReader):
     @staticmethod
     def _format_hint(thing: Any) -> bool:
         return _is_dump(thing)
-
-    @property
-    def scene(self) -> Scene:
-        return load_built(Path(self.filename).parent)
-
-    @property
-    def triangles(self) -> Ints:
-        return connectivity(Path(self.filename).parent)[1]
 
 
 class MemoryFrames(MemoryReader):  # type: ignore[misc]
@@ -214,8 +187,7 @@ class SkinParser(TopologyReaderBase):  # type: ignore[misc]
 
     def parse(self, **_: Any) -> Topology:
         """The topology, which is the same in all frames."""
-        store = Store(self.filename)
-        return _topology(self.filename, store, store.links)
+        return _topology(Store(self.filename))
 
 
 class SkinDumpParser(TopologyReaderBase):  # type: ignore[misc]
@@ -229,15 +201,13 @@ class SkinDumpParser(TopologyReaderBase):  # type: ignore[misc]
 
     def parse(self, **_: Any) -> Topology:
         """The topology, which is the same in all frames."""
-        return _topology(
-            self.filename, Dump(self.filename), connectivity(Path(self.filename).parent)[0]
-        )
+        return _topology(Dump(self.filename))
 
 
-def _topology(path: str, frames: Store | Dump, links: Ints) -> Topology:
+def _topology(frames: Store | Dump) -> Topology:
     """Residues are the clones, the membrane and the dermis."""
     if not len(frames):
-        raise SkinError(f"trajectory {path}: holds no complete frame")
+        raise SkinError(f"trajectory {frames.path}: holds no complete frame")
     slots, first = frames.slots, frames[0]
     resids = clones(frames)
     names = np.where(resids > 0, "clone", "unseen").astype(object)
@@ -252,7 +222,7 @@ def _topology(path: str, frames: Store | Dump, links: Ints) -> Topology:
         Resids(ids),
         Resnames(names[places]),
         Segids(np.array(["skin"], object)),
-        Bonds([tuple(link) for link in (links - 1).tolist()]),
+        Bonds([tuple(link) for link in (frames.links - 1).tolist()]),
         *(attribute.following(slots) for attribute in ATTRIBUTES),
     ]
     return Topology(slots, len(ids), 1, attrs=attributes, atom_resindex=residue)

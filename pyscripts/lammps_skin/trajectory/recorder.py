@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from lammps_skin.data_file import box_sides
 from lammps_skin.errors import DamagedError, SkinError
 from lammps_skin.files import set_aside
 from lammps_skin.scene import Scene
@@ -66,7 +67,7 @@ class Recorder:
             if self._last_step is None:
                 self._last_step = self._begin(step, engine.time())
             if due and step != self._last_step:
-                sides = self._scene.box_sides
+                sides = box_sides(self.path.parent / "skin.data")
                 self._add(
                     Frame.of_engine(step, engine.time(), sides, engine.forces(), engine.cells())
                 )

@@ -19,7 +19,7 @@ from lammps_skin.build import to_toml
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.scene import Scene
-from lammps_skin.trajectory.check import GROUP
+from lammps_skin.trajectory.check import GROUP, MEMBERS
 from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, WHOLE, Frame, Ints
 from lammps_skin.trajectory.hdf5 import open_hdf5
 from lammps_skin.versions import versions
@@ -72,8 +72,9 @@ class TrajectoryWriter:
         self._describe(scene, author or _login(), variables or {})
         self._particles = self._file.create_group(GROUP)
         self._create_elements()
-        for name, members in (("links", links), ("triangles", triangles)):
-            dataset = self._file.create_dataset(f"connectivity/{name}", data=members, dtype="i4")
+        for (name, width), members in zip(MEMBERS.items(), (links, triangles), strict=True):
+            ids = np.reshape(members, (-1, width))
+            dataset = self._file.create_dataset(f"connectivity/{name}", data=ids, dtype="i4")
             dataset.attrs["particles_group"] = self._particles.ref
 
     @classmethod
