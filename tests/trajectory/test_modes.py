@@ -104,17 +104,24 @@ def test_reader_of_h5md_opens_it(run):
 # ---- times
 
 
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_distance_of_frames(run, universe, tmp_path):
     assert universe.trajectory.dt == pytest.approx(INTERVAL, rel=1e-12)
     assert universe.trajectory.totaltime == pytest.approx((FRAMES - 1) * INTERVAL, rel=1e-12)
     membrane = universe.select_atoms("type membrane")
-    membrane.write(tmp_path / "membrane.dcd", frames="all")
-    written = MDAnalysis.Universe.empty(len(membrane)).load_new(str(tmp_path / "membrane.dcd"))
-    assert written.trajectory.dt == pytest.approx(INTERVAL, rel=1e-5)
-    for ts, frame in zip(written.trajectory, run.frames, strict=True):
-        assert ts.time == pytest.approx(frame.time, rel=1e-5)
-        places = frame.positions[frame.kinds == Kind.MEMBRANE]
-        np.testing.assert_array_equal(ts.positions, places.astype(np.float32))
+    distance = universe.trajectory.dt
+    membrane.write(tmp_path / "given.dcd", frames="all", dt=distance)
+    membrane.write(tmp_path / "own.xtc", frames="all")
+    with universe.trajectory.Writer(tmp_path / "writer.dcd", len(membrane)) as writer:
+        for _ in universe.trajectory:
+            writer.write(membrane)
+    for name in ("given.dcd", "own.xtc", "writer.dcd"):
+        written = MDAnalysis.Universe.empty(len(membrane)).load_new(str(tmp_path / name))
+        assert written.trajectory.dt == pytest.approx(INTERVAL, rel=1e-5)
+        for ts, frame in zip(written.trajectory, run.frames, strict=True):
+            assert ts.time == pytest.approx(frame.time, rel=1e-5)
+            places = frame.positions[frame.kinds == Kind.MEMBRANE]
+            np.testing.assert_allclose(ts.positions, places, atol=1e-2)
 
 
 def test_uneven_frames_are_told(run, tmp_path):

@@ -28,6 +28,7 @@ from lammps_skin.trajectory.store import DUMP, STORE, Store
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", DeprecationWarning)  # of packages that MDAnalysis imports
     from MDAnalysis.coordinates.base import ReaderBase
+    from MDAnalysis.coordinates.core import writer
     from MDAnalysis.coordinates.memory import MemoryReader
     from MDAnalysis.core.topology import Topology
     from MDAnalysis.core.topologyattrs import Atomids, Bonds, Masses, Resids, Resnames, Segids
@@ -108,6 +109,10 @@ class FrameReader(ReaderBase):  # type: ignore[misc]
             "radius": self._radii[data["species"]],
         }
         return ts
+
+    def Writer(self, filename: str | Path, n_atoms: int | None = None, **options: Any) -> Any:
+        """Writer of a format of MDAnalysis, by the name, for frames at the distance of these."""
+        return writer(filename, n_atoms or self.n_atoms, **{"dt": self.dt, **options})
 
     def in_memory(
         self, start: int | None, stop: int | None, step: int | None, verbose: bool = False
