@@ -112,7 +112,7 @@ class FrameReader(ReaderBase):  # type: ignore[misc]
 
     def Writer(self, filename: str | Path, n_atoms: int | None = None, **options: Any) -> Any:
         """Writer of a format of MDAnalysis, by the name, for frames at the distance of these."""
-        return writer(filename, n_atoms or self.n_atoms, **{"dt": self.dt, **options})
+        return writer(str(filename), n_atoms or self.n_atoms, **{"dt": self.dt, **options})
 
     def in_memory(
         self, start: int | None, stop: int | None, step: int | None, verbose: bool = False
