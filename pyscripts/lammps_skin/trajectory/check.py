@@ -64,17 +64,16 @@ def opened(path: Path) -> h5py.File:
     SkinError
         If it cannot be read now; the text says why.
     """
-    with reading(f"trajectory {path}"):
-        for _ in range(ATTEMPTS):
-            try:
-                return h5py.File(path)
-            except BlockingIOError:  # it was replaced while it was opened, and is locked
-                time.sleep(PAUSE)
-            except OSError as error:
-                if error.errno is None:
-                    raise DamagedError(f"trajectory {path}: is no trajectory in HDF5") from None
-                raise
-        return h5py.File(path)
+    try:
+        with reading(f"trajectory {path}"):
+            for _ in range(ATTEMPTS):
+                try:
+                    return h5py.File(path)
+                except BlockingIOError:  # it was replaced while it was opened, and is locked
+                    time.sleep(PAUSE)
+            return h5py.File(path)
+    except DamagedError:
+        raise DamagedError(f"trajectory {path}: is no trajectory in HDF5") from None
 
 
 def read_headers(file: h5py.File, path: Path) -> Headers:
