@@ -115,29 +115,13 @@ def test_what_cannot_be_read_now_is_not_damaged(run, tmp_path, monkeypatch):
         37: OSError(37, "No locks available"),
         11: BlockingIOError(11, "Resource temporarily unavailable"),
     }
-    monkeypatch.setattr(check, "PAUSE", 0.001)
     for number, fault in faults.items():
         with monkeypatch.context() as patch:
-            patch.setattr(check.h5py, "File", lambda *_, fault=fault: (_ for _ in ()).throw(fault))
+            patch.setattr(check, "open_hdf5", lambda *_, fault=fault: (_ for _ in ()).throw(fault))
             with pytest.raises(SkinError, match=os.strerror(number)) as raised:
                 Store(path)
         assert not isinstance(raised.value, DamagedError)
     assert equal(Store(path), run.frames)
-
-
-def test_a_file_that_is_replaced_while_it_is_opened_is_opened_again(run, monkeypatch):
-    attempts = []
-    really = h5py.File
-
-    def locked_at_first(path: Path) -> h5py.File:
-        attempts.append(path)
-        if len(attempts) < 4:
-            raise BlockingIOError(11, "Resource temporarily unavailable")
-        return really(path)
-
-    monkeypatch.setattr(check.h5py, "File", locked_at_first)
-    assert len(Store(run.driven / "skin.h5")) == FRAMES
-    assert len(attempts) == 4
 
 
 def test_a_second_group_of_particles_is_ignored(run, tmp_path):

@@ -7,7 +7,6 @@ a `DamagedError` that names the element or the frame.
 from __future__ import annotations
 
 import math
-import time
 import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -20,13 +19,13 @@ from lammps_skin.errors import DamagedError, SkinError, reading
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.scene import Scene
 from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Floats, Frame, Ints
+from lammps_skin.trajectory.hdf5 import open_hdf5
 
 GROUP = "particles/trajectory"
 MEMBERS = {"links": 2, "triangles": 3}  # of the membrane, and how many ids each has
 INTEGER = 2**31 - 1
 LARGEST_CHUNK = 2**22  # bytes that a chunk may have when it is unpacked; ours have 98,304
 MOST_PER_BYTE = 8  # slots of a file, or sites of the lattice of its scene
-ATTEMPTS, PAUSE = 20, 0.05  # at a file that a run is just about to replace
 
 
 class Headers(NamedTuple):
@@ -66,12 +65,7 @@ def opened(path: Path) -> h5py.File:
     """
     try:
         with reading(f"trajectory {path}"):
-            for _ in range(ATTEMPTS):
-                try:
-                    return h5py.File(path)
-                except BlockingIOError:  # it was replaced while it was opened, and is locked
-                    time.sleep(PAUSE)
-            return h5py.File(path)
+            return open_hdf5(path)
     except DamagedError:
         raise DamagedError(f"trajectory {path}: is no trajectory in HDF5") from None
 
