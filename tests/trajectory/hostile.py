@@ -285,7 +285,7 @@ IN_DUMP: dict[str, tuple[Callable[[str], str], str]] = {
     "partner broken": (row(-1, word(5, "1.5")), "is not a whole number"),
     "partner NaN": (row(-1, word(5, "nan")), "is not a whole number"),
     "birth NaN": (row(-1, word(10, "nan")), r"birth_time of cell \d+ is nan"),
-    "another box": (instead(BOUNDS + "0.0", BOUNDS + "0.0000000000000000e+00 99\n0.0"), "lines"),
+    "more bounds": (instead(BOUNDS, f"{BOUNDS}0.0 99.0\n"), "its line 11 is not ITEM: ATOMS"),
     "other sides": (
         instead("e+00 1.2", "e+00 1.3", None), r"its box is 13 x [\d.]+ x [\d.]+, that of skin",
     ),
