@@ -92,10 +92,15 @@ void FixSkinCells::init()
   if (domain->zperiodic || domain->boundary[2][1] != 1)
     error->all(FLERR, "Fix skin/cells removes cells through the top of the box: "
                "it needs boundary p p f");
-  if (neighbor->every != 1 || neighbor->delay != 0 || neighbor->dist_check != 1)
-    error->all(FLERR, "Fix skin/cells needs neigh_modify every 1 delay 0 check yes, or the nearest "
-               "membrane particle would not be exact; it got every {} delay {} check {}",
-               neighbor->every, neighbor->delay, neighbor->dist_check ? "yes" : "no");
+  if (neighbor->every != 1 || neighbor->delay != 0 || neighbor->dist_check != 1 ||
+      neighbor->build_once)
+    error->all(FLERR, "Fix skin/cells needs neigh_modify every 1 delay 0 check yes once no, or the "
+               "nearest membrane particle would not be exact; it got every {} delay {} check {} "
+               "once {}", neighbor->every, neighbor->delay, neighbor->dist_check ? "yes" : "no",
+               neighbor->build_once ? "yes" : "no");
+  if (neighbor->includegroup)
+    error->all(FLERR, "Fix skin/cells does not work with neigh_modify include: lists would not be "
+               "built anew when the membrane moves");
 
   refresh_state();
   check_others();

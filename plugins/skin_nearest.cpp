@@ -87,7 +87,9 @@ void SkinNearest::add_candidates(const double *point, double margin)
 {
   const Neighbor best = find(point);
   if (best.index >= 0) {
-    const double radius = std::sqrt(best.distsq) + 2.0 * margin;
+    // the nearest itself is among them, whatever the rounding of the root
+
+    const double radius = std::sqrt(best.distsq) * (1.0 + 1.0e-12) + 2.0 * margin;
     columns.around(point, point, radius, near);
     const auto [begin, end] = near.within(point, radius);
     for (const int *k = begin; k < end; k++) candidates.push_back(near.index[*k]);

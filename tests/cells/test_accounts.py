@@ -177,6 +177,32 @@ def test_run_style_respa_is_refused(tmp_path: Path) -> None:
 # ---- special neighbors
 
 
+def test_special_neighbors_of_the_user_stay(tmp_path: Path) -> None:
+    """A stem cell that is anchored by a bond divides, and its pair ends.
+
+    What it does not see, and its daughter, is then what LAMMPS finds anew from bonds.
+    """
+    build(busy(**{"cells.stem": 1, "cells.nd": 0}), tmp_path)
+    state = (tmp_path / "state.in").read_text()
+    extra = "extra/bond/types 1 extra/bond/per/atom 2 extra/special/per/atom 4"
+    state = state.replace("fix state NULL state", f"fix state NULL state {extra}")
+    (tmp_path / "state.in").write_text(state)
+    report = 'print "OUT $(evdwl:%.15g) $(f_cells[8]) $(f_cells[9])"'
+    lines = [
+        "bond_style hybrid skin/stretch harmonic",
+        "bond_coeff 1 skin/stretch 0.04 2.0 1.25 0.25 1.0", "bond_coeff 2 harmonic 0.0 2.4",
+        "compute near cells reduce max f_cells[1]", "displace_atoms cells move 0 0 -0.2",
+        "thermo_style custom step evdwl", "thermo_modify norm no", "run 0 post no", report,
+        "create_bonds single/bond 2 673 $(c_near:%.0f) special yes", "run 0 post no", report,
+        "fix hold all setforce 0 0 0", "run 24 post no", report,
+        "delete_bonds all stats special", "run 0 post no", report,
+    ]  # fmt: skip
+    seen, bonded, later, anew = told(run_script(tmp_path, *lines))
+    assert bonded[0] < seen[0] - 1e-4
+    assert later[2] > later[1]
+    assert later == anew
+
+
 NARROW = """
 units lj
 atom_style molecular

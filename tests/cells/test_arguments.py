@@ -137,11 +137,23 @@ SETTINGS = [
     ({"boundary": "boundary p p s"}, "Fix skin/cells removes cells through the top of the box"),
     (
         {"rebuild": "neigh_modify every 1 delay 5 check yes"},
-        "Fix skin/cells needs neigh_modify every 1 delay 0 check yes, or the nearest membrane "
-        "particle would not be exact; it got every 1 delay 5 check yes",
+        "Fix skin/cells needs neigh_modify every 1 delay 0 check yes once no, or the nearest "
+        "membrane particle would not be exact; it got every 1 delay 5 check yes once no",
     ),
     ({"rebuild": "neigh_modify every 2 delay 0 check yes"}, "Fix skin/cells needs neigh_modify"),
     ({"rebuild": "neigh_modify every 1 delay 0 check no"}, "Fix skin/cells needs neigh_modify"),
+    ({"once": "neigh_modify once yes"}, "Fix skin/cells needs neigh_modify"),
+    (
+        {
+            "style": "atom_style molecular\natom_modify map yes",
+            "include": "group cells type 2:5\natom_modify first cells\nneigh_modify include cells",
+        },
+        "Fix skin/cells does not work with neigh_modify include",
+    ),
+    (
+        {"neighbor": "neighbor 0.3 multi", "mode": "comm_modify mode multi"},
+        "Fix skin/cells needs one communication cutoff for all",
+    ),
     (
         {"style": "atom_style atomic\natom_modify map yes"},
         "Fix skin/cells needs an atom style with ",

@@ -206,6 +206,16 @@ def test_the_timestep_cannot_be_reset(tmp_path: Path) -> None:
     assert "time-dependent fix skin/cells" in message
 
 
+def test_lists_without_a_skin(tmp_path: Path) -> None:
+    """Built anew on each step."""
+    process = run_script(
+        tmp_path, "neighbor 0.0 multi", "unfix motion", "fix motion all skin/motion euler",
+        "timestep 0.01", "run 100 post no", 'print "OUT $(f_cells[4]) $(f_cells[7])"',
+        scene=busy(),
+    )  # fmt: skip
+    assert told(process) == [[2.0, 1.0]]
+
+
 def test_two_fixes_are_refused(tmp_path: Path) -> None:
     lines = ["group right id 674", f"fix second right {fix_line(busy())}", "run 2"]
     message = error_of(run_script(tmp_path, *lines, scene=busy()))
