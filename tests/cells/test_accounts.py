@@ -194,7 +194,7 @@ def test_special_neighbors_of_the_user_stay(tmp_path: Path) -> None:
         "compute near cells reduce max f_cells[1]", "displace_atoms cells move 0 0 -0.2",
         "thermo_style custom step evdwl", "thermo_modify norm no", "run 0 post no", report,
         "create_bonds single/bond 2 673 $(c_near:%.0f) special yes", "run 0 post no", report,
-        "fix hold all setforce 0 0 0", "run 24 post no", report,
+        "run 24 post no", report,
         "delete_bonds all stats special", "run 0 post no", report,
     ]  # fmt: skip
     seen, bonded, later, anew = told(run_script(tmp_path, *lines))
