@@ -255,7 +255,7 @@ def test_a_device_is_not_replaced(refused, tmp_path):
 # ---- builds that do not come to their end
 
 
-@pytest.mark.parametrize("kilobytes", [1, 8, 40])
+@pytest.mark.parametrize("kilobytes", [1, 40])
 def test_a_build_on_a_full_disk(kilobytes, tmp_path):
     """What is there stays as it was; else there is nothing."""
     build(Scene.load("one-stem"), tmp_path / "there")
