@@ -128,6 +128,11 @@ class Configuration:
             )
         self._check_arrays()
         check_sizes(scene, self.box)
+        if np.abs(self.box - scene.box_sides).max() > 1e-3:
+            raise ConfigurationError(
+                f"box: is {np.round(self.box, 6).tolist()}, must be that of the scene, "
+                f"{np.round(scene.box_sides, 6).tolist()}"
+            )
         absent = self.present_kinds - set(scene.kinds)
         if absent:
             names = ", ".join(kind.label for kind in sorted(absent))
@@ -162,6 +167,11 @@ class Configuration:
         for name in ("links", "hinges"):
             if not (self.kinds[getattr(self, name)] == Kind.MEMBRANE).all():
                 raise ConfigurationError(f"{name}: must join membrane particles")
+            link = getattr(self, name)[:, slice(1, 3) if name == "hinges" else slice(2)]
+            ends, count = np.unique(np.sort(link, axis=1), axis=0, return_counts=True)
+            if (count > 1).any():
+                i, j = ends[count > 1][0]
+                raise ConfigurationError(f"{name}: the particles {i} and {j} have more than one")
         delta = self.positions[self.links[:, 0]] - self.positions[self.links[:, 1]]
         delta[:, :2] -= self.box[:2] * np.round(delta[:, :2] / self.box[:2])
         lengths = np.linalg.norm(delta, axis=1)
@@ -190,6 +200,11 @@ class Configuration:
                 and self.pair[other - 1] == n + 1
             ):
                 raise ConfigurationError(f"pair: particle {n} and id {other} are not each other's")
+            if other and self.pair_start[n] != self.pair_start[other - 1]:
+                raise ConfigurationError(
+                    f"pair_start: {self.pair_start[n]:g} and {self.pair_start[other - 1]:g} of the "
+                    f"particles {n} and {other - 1}, who are a pair, must be equal"
+                )
         if len(cells) > 1:
             x = self.wrapped()[cells]
             tree = cKDTree(x, boxsize=[*self.box[:2], 2 * self.box[2]])

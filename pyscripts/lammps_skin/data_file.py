@@ -1,11 +1,12 @@
-"""LAMMPS data files of built scenes: their sections, and whether LAMMPS can read their places."""
+"""LAMMPS data files of built scenes: their sections, and what LAMMPS would not find wrong."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from lammps_skin.errors import SceneError, reading
+from lammps_skin.kinds import CELLS, Kind
 
 # LAMMPS brings a particle back into the box one side at a time, and hangs on those further away
 FURTHEST = 1e6
@@ -24,10 +25,11 @@ def section(path: Path, title: str) -> Iterator[list[str]]:
             yield line.split()
 
 
-def check_places(path: Path) -> None:
-    """Raise `SceneError` if a particle is too many sides of the box away from it.
+def check_data(path: Path, kinds: Sequence[Kind]) -> None:
+    """Raise `SceneError` for what LAMMPS would not find wrong.
 
-    Whatever else may be wrong in the file is left to LAMMPS.
+    That is a particle too many sides of the box away from it, and a file without the state of the
+    cells: LAMMPS would take 0 for all of it. `kinds` are those of the scene.
     """
     try:
         sides = _sides(path)
@@ -38,8 +40,23 @@ def check_places(path: Path) -> None:
                         f"data file {path}: {axis} = {place:g} of atom {words[0]} must be within "
                         f"{FURTHEST:g} times the box of {side:g}; build the scene again"
                     )
+        has_state = any(section(path, "state")) or not set(CELLS) & set(kinds)
+        is_whole = sum(1 for _ in section(path, "Dihedrals")) == _count(path, "dihedrals")
     except (OSError, ValueError):
         return
+    if is_whole and not has_state:
+        raise SceneError(
+            f"data file {path}: has no section 'state' with that of the cells; build the scene again"
+        )
+
+
+def _count(path: Path, name: str) -> int:
+    """A number in the header; 0 if it states none."""
+    with path.open(encoding="utf-8") as file:
+        for line in file:
+            if line.split()[1:] == [name]:
+                return int(line.split()[0])
+    return 0
 
 
 def box_sides(path: Path) -> tuple[float, float, float]:

@@ -52,12 +52,22 @@ class Text:
 def read_text(path: Path) -> Text:
     """Read a text file; raises `ConfigurationError` naming the line that is wrong."""
     try:
-        lines = path.read_text("utf-8").splitlines()
+        lines = path.read_text("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not text in UTF-8"
         raise ConfigurationError(f"configuration {path}: {reason}") from None
     header: tuple[tuple[int, int], tuple[float, float], float] | None = None
     kinds, positions, divisions_left, pairs = [], [], [], []
+    stated: dict[str, int] = {}  # what must be stated once, and its line
+
+    def state(what: str, number: int) -> None:
+        if what in stated:
+            raise ConfigurationError(
+                f"configuration {path}, line {number}: states {what}, which line {stated[what]} "
+                "does, too"
+            )
+        stated[what] = number
+
     for number, line in enumerate(lines, 1):
         words = line.split()
         try:
@@ -66,9 +76,12 @@ def read_text(path: Path) -> Text:
             if words[0] == "lattice":
                 nx, ny, lx, ly, time = words[1:]
                 header = (int(nx), int(ny)), (float(lx), float(ly)), float(time)
+                state("the lattice", number)
             elif words[0] == "pair":
                 i, j, length = words[1:]
                 pairs.append((int(i), int(j), float(length)))
+                for cell in {int(i), int(j)}:
+                    state(f"a pair of cell {cell}", number)
             else:
                 kind = LETTERS[words[0]]
                 m = int(words[4]) if len(words) == 5 else 0

@@ -14,7 +14,7 @@ from typing import Any, Self
 from lammps_skin.build import build, load_built
 from lammps_skin.checkpoints import PART, Checkpoints, find_resumption
 from lammps_skin.configuration import Configuration
-from lammps_skin.data_file import check_places
+from lammps_skin.data_file import check_data
 from lammps_skin.engine import FIX_TERMS, Cells, Engine, Floats, Forces, Ints, Motion
 from lammps_skin.errors import SceneError, SimulationError, SkinError
 from lammps_skin.hold import Hold
@@ -109,7 +109,7 @@ class Simulation:
                 )
             if scene is None:
                 self.scene = load_built(self.directory)
-                check_places(self.directory / "skin.data")
+                check_data(self.directory / "skin.data", self.scene.kinds)
             else:
                 self.scene = scene
                 build(scene, self.directory, configuration)

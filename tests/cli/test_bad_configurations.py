@@ -65,6 +65,23 @@ CASES = {
     "links float": (give("links", np.zeros((4, 2))), "links: must be an array of whole numbers"),
     "links shape": (give("links", np.zeros((4, 3), int)), "links: has shape (4, 3), must be (n, 2"),
     "links own": (put("links", (0, 1), 0), "positions: the link of the particles 0 and 0 is 0 lon"),
+    "links twice": (
+        lambda c: put("links", 0, c.links[7][::-1])(c),
+        "links: the particles 7 and 8 have more than one",
+    ),
+    "hinges twice": (
+        lambda c: put("hinges", 0, c.hinges[7][::-1])(c),
+        "hinges: the particles 7 and 8 have more than one",
+    ),
+    "box of another scene": (
+        put("box", 0, 7.0),
+        "box: is [7.0, 6.062178, 100.0], must be that of ",
+    ),
+    "box height": (put("box", 2, 90.0), "box: is [6.0, 6.062178, 90.0], must be that of the sc"),
+    "pair of two ages": (
+        lambda c: (pair_up(c), put("pair_start", FIRST, -1.0)(c)),
+        "pair_start: -1 and 0 of the particles 168 and 169, who are a pair, must be equal",
+    ),
     "hinges range": (put("hinges", (2, 3), 999), "hinges: entry 2, 3 is 999, must be 0 to 169"),
     "hinges cell": (put("hinges", (2, 3), FIRST), "hinges: must join membrane particles"),
     "overlap": (

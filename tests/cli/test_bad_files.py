@@ -71,7 +71,16 @@ DAMAGE = {
     "binary data": (fill("skin.data", bytes(range(256)) * 9), "Unknown identifier in data file: "),
     "cut atoms": (cut("skin.data", 0.1), "Unexpected end of data file"),
     "cut links": (cut("skin.data", 0.5), "Unexpected end of data file"),
-    "cut state": (cut("skin.data", 0.999), "Unexpected end of data file|Incorrect format in state"),
+    "no state": (
+        lambda directory: fill(
+            "skin.data", (directory / "skin.data").read_bytes().split(b"\nstate\n")[0]
+        )(directory),
+        r"data file .*/built/skin.data: has no section 'state' with that of the cells; build the",
+    ),
+    "cut state": (
+        cut("skin.data", 0.999),
+        "Unexpected end of data file|Incorrect format in state",
+    ),
     "wrong count": (edit("skin.data", "504 bonds", "50 bonds"), "Unknown identifier in data file:"),
     "no table": (remove("stretch.table"), "cannot open bond table potential file .*/stretch.table"),
     "no pair table": (remove("dermis_dermis.table"), "cannot open pair table potential file .*/de"),
@@ -88,7 +97,7 @@ def test_damaged_directory(name, original, refused, tmp_path):
     damage(tmp_path / "built")
     text = refused("run", "built", "--until", "0.5")
     assert re.match(expected, text), text
-    if not text.startswith(("directory", "scene file", "built/")):
+    if not text.startswith(("directory", "scene file", "data file", "built/")):
         assert text.endswith(f"(starting the scene in {tmp_path}/built)")
 
 
@@ -148,9 +157,22 @@ TEXTS = {
     "own pair": (change(-1, "pair 169 169 0.1"), "pair 169 169: must be two cells"),
     "negative pair": (change(-1, "pair 169 170 -1"), "pair 169 170 -1: a dividing pair's nat"),
     "nan pair": (change(-1, "pair 169 170 nan"), "pair 169 170 nan: a dividing pair's nat"),
+    "second header": (lambda lines: [*lines, lines[0]], "line 174: states the lattice, which li"),
+    "other header": (
+        lambda lines: [*lines, "lattice 14 12 7 5.196 5"], "line 174: states the lattice, which li"
+    ),
+    "pair again": (
+        lambda lines: [*lines, lines[-1]], "line 174: states a pair of cell 169, which line 173 d"
+    ),
+    "pair of another length": (
+        lambda lines: [*lines, "", "pair 169 170 2.5"], "line 175: states a pair of cell 169, w"
+    ),
+    "pair turned round": (
+        lambda lines: [*lines, "pair 170 169 0.1"], "line 174: states a pair of cell ",
+    ),
     "triple": (
         lambda lines: [*lines, "pair 168 170 0.1"],
-        "pair: particle 169 and id 171 are not each other's",
+        "line 174: states a pair of cell 170, which line 173 does, too",
     ),
     "overlap": (
         lambda lines: [*lines[:-1], lines[-2]],
