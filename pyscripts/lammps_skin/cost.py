@@ -1,6 +1,7 @@
 """What a run will cost: memory, steps and seconds, from a few measured numbers.
 
-The numbers in `Rates` are of one core; `measure` times a short run of a scene on this machine.
+The numbers in `Rates` are of one core, from whole runs of built-in scenes
+(``python benchmarks/run_cost.py``); `measure` times a short run of a scene on this machine.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ class Rates:
 
     Attributes
     ----------
+    step : float
+        Seconds of a step in a whole run, whatever its size: output, checkpoints, progress.
     particle, dermal, cell, link : float
         Seconds of a step: for every particle, and what dermal particles, cells and links add.
     rebuild : float
@@ -33,11 +36,12 @@ class Rates:
         Bytes of the process, and for every particle with its links.
     """
 
-    particle: float = 1.0e-8
-    dermal: float = 2.0e-7
-    cell: float = 6.0e-7
-    link: float = 1.8e-8
-    rebuild: float = 1.0e-6
+    step: float = 1.0e-3
+    particle: float = 1.9e-8
+    dermal: float = 3.8e-7
+    cell: float = 1.14e-6
+    link: float = 3.4e-8
+    rebuild: float = 1.9e-6
     base_memory: float = BASE
     particle_memory: float = PER_PARTICLE
 
@@ -76,7 +80,7 @@ def estimate(scene: Scene, rates: Rates | None = None) -> Cost:
         steps=steps,
         cells=float(cells[-1]),
         first_step=float(step[0]),
-        seconds=steps * float(step.mean()),
+        seconds=steps * (rates.step + float(step.mean())),
         memory=rates.base_memory + rates.particle_memory * float(particles[-1]),
     )
 

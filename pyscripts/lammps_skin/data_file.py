@@ -41,12 +41,12 @@ def check_data(path: Path, kinds: Sequence[Kind]) -> None:
                         f"{FURTHEST:g} times the box of {side:g}; build the scene again"
                     )
         has_state = any(section(path, "state")) or not set(CELLS) & set(kinds)
-        is_whole = sum(1 for _ in section(path, "Dihedrals")) == _count(path, "dihedrals")
+        is_whole = 0 < sum(1 for _ in section(path, "Dihedrals")) == _count(path, "dihedrals")
     except (OSError, ValueError):
         return
     if is_whole and not has_state:
         raise SceneError(
-            f"data file {path}: has no section 'state' with that of the cells; build the scene again"
+            f"data file {path}: has no section 'state', that of the cells; build the scene again"
         )
 
 

@@ -32,7 +32,7 @@ from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.files import free_name
 from lammps_skin.hold import Hold
-from lammps_skin.observables import Table, open_run, save
+from lammps_skin.observables import FRACTIONS, Table, open_run, save
 from lammps_skin.observables import load as load
 from lammps_skin.results import holds_results
 from lammps_skin.scene import Scene
@@ -347,10 +347,11 @@ def window_means(table: Table, column: str, start: float, end: float) -> Floats:
 
 def window_mean(table: Table, column: str, start: float, end: float) -> Mean:
     """Mean over seeds of the means over a window, with standard error and 95 % interval (t)."""
-    return mean(window_means(table, column, start, end))
+    return mean(window_means(table, column, start, end), fraction=column in FRACTIONS)
 
 
 def over_time(table: Table, column: str) -> tuple[Floats, list[Mean]]:
     """Mean over seeds at every time (t,), with standard error and 95 % interval."""
     times = np.unique(table["time"])
-    return times, [mean(table[column][table["time"] == time]) for time in times]
+    fraction = column in FRACTIONS
+    return times, [mean(table[column][table["time"] == t], fraction=fraction) for t in times]

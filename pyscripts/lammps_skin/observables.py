@@ -26,9 +26,12 @@ from lammps_skin.trajectory.universe import open_trajectory
 
 Table = NDArray[np.void]
 
-VERSION = 1  # to be raised when a column changes or means something else
+VERSION = 2  # to be raised when a column changes or means something else
 ORDERS = ("chi_H", "chi_G", "zeta", "sigma")
 TIPS = ("on_tips", "tips_expected", "tips_sd", "tips_z", "tips_p")
+FRACTIONS = (
+    "coverage", "stem_on_tips", "stem_tips_expected", "nd_on_tips", "nd_tips_expected",
+)  # fmt: skip
 COLUMNS = (
     "time", *(kind.label for kind in CELLS), "births", "deaths", "coverage",
     "height", "height_std", "skewness", "skewness_low", "skewness_high",

@@ -17,7 +17,7 @@ from lammps_skin.analysis.state import State, StateAnalysis
 from lammps_skin.analysis.statistics import mean_in_time
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import Kind
-from lammps_skin.observables import Observables, Run, Table, open_run
+from lammps_skin.observables import FRACTIONS, Observables, Run, Table, open_run
 
 LATE = 0.6  # of the time that a trajectory covers: where its late window begins
 CUMULATIVE = ("time", "births", "deaths")
@@ -66,6 +66,8 @@ def summary(path: str | Path, window: Window | None = None) -> dict[str, Any]:
             "scene": run.scene.name,
             "parameters": run.scene.parameters,
             "seed": run.scene.seed,
+            "cell_seed": run.scene.cell_seed,
+            "dermis_seed": run.scene.dermis_seed,
             "frames": len(table),
             "from": float(times[0]),
             "to": float(times[-1]),
@@ -77,7 +79,7 @@ def summary(path: str | Path, window: Window | None = None) -> dict[str, Any]:
             "end": float(end),
             "frames": int(inside.sum()),
             "means": {
-                name: mean_in_time(table[name][inside])._asdict()
+                name: mean_in_time(table[name][inside], fraction=name in FRACTIONS)._asdict()
                 for name in table.dtype.names or ()
                 if name not in CUMULATIVE
             },

@@ -120,3 +120,14 @@ def test_stem_cells_on_peaks_of_a_membrane():
     assert found.chi_H == pytest.approx(a * k**2 / 2 * R_C, rel=0.01)
     assert found.chi_G == pytest.approx(0, abs=1e-10)
     assert found.zeta == pytest.approx(a / R_C)
+
+
+@pytest.mark.parametrize("others", [0, 3])
+def test_a_single_cell(others):
+    """Alone it is its own reference; one of its kind is no cluster."""
+    kinds = np.array([Kind.STEM] + [Kind.TA] * others)
+    places = np.arange(3.0 * (1 + others)).reshape(-1, 3)
+    curvature = np.arange(1.0 + others)
+    found = order(kinds, places, curvature, curvature, BOX, R_C)
+    assert np.isnan(found.sigma)
+    assert np.isnan(found[:3]).all() == (others == 0)

@@ -131,30 +131,42 @@ def test_nothing_is_on_a_tip_of_a_plain():
     assert not on_tip(np.array([[1.0, 2.0, 100.0]]), papillae, box).any()
 
 
-def test_tip_fraction_against_drawn_cells():
+def test_tip_fraction_against_dealt_cells():
+    """Mean and spread of the difference, and its p-value, are those of labels that are dealt."""
     stem, others = np.arange(16) < 9, np.arange(200) < 60
     found = tip_fraction(stem, others)
-    random = np.random.default_rng(3)
-    drawn = np.array([random.permutation(others)[:16].mean() for _ in range(20_000)])
+    random, together = np.random.default_rng(3), np.concatenate([stem, others])
+    dealt = np.array([random.permutation(together) for _ in range(20_000)])
+    differences = dealt[:, :16].mean(axis=1) - dealt[:, 16:].mean(axis=1)
     assert found.fraction == 9 / 16
     assert found.expected == 0.3
-    assert drawn.mean() == pytest.approx(0.3, abs=4 * found.sd / np.sqrt(20_000))
-    assert found.sd == pytest.approx(drawn.std(), rel=0.03)
+    assert found.sd == pytest.approx(differences.std(), rel=0.03)
     assert found.z == (found.fraction - found.expected) / found.sd
-    assert found.p_value == pytest.approx((drawn >= 9 / 16).mean(), rel=0.15)
+    assert found.p_value == pytest.approx((differences >= 9 / 16 - 0.3 - 1e-9).mean(), rel=0.15)
+
+
+@pytest.mark.parametrize(("stem", "others"), [(16, 18), (16, 16), (18, 16), (16, 500), (3, 4)])
+def test_false_positives_of_tips(stem, others):
+    """Where it does not matter who is chosen, p < 0.05 in no more than 5 % of cases."""
+    random, trials = np.random.default_rng(stem + others), 500
+    tips = random.random((trials, stem + others)) < 0.4
+    p = [tip_fraction(one[:stem], one[stem:]).p_value for one in tips]
+    assert np.mean(np.array(p) < 0.05) < 0.05 + 3 * np.sqrt(0.05 * 0.95 / trials)
 
 
 @pytest.mark.filterwarnings("error")
 def test_tip_fraction_at_its_limits():
     none, yes, no = np.zeros(0, bool), np.ones(4, bool), np.zeros(9, bool)
-    assert tip_fraction(yes, no)[:3] == (1, 0, 0)
-    assert tip_fraction(yes, no).p_value == 0 and np.isnan(tip_fraction(yes, no).z)
+    apart = tip_fraction(yes, no)
+    assert apart[:2] == (1, 0)
+    assert apart.p_value == pytest.approx(1 / 715)  # ways to choose 4 of 13
     assert tip_fraction(np.zeros(4, bool), no).p_value == 1
-    few = tip_fraction(yes, no[:3])
-    assert few.fraction == 1 and np.isnan(few[1:]).all()
-    assert np.isnan(tip_fraction(none, no)).all()
+    more = tip_fraction(yes, no[:3])
+    assert more[:2] == (1, 0) and more.p_value == pytest.approx(1 / 35)
+    assert np.isnan(tip_fraction(none, no)[2:]).all() and tip_fraction(none, no).expected == 0
+    assert np.isnan(tip_fraction(yes, none)[1:]).all()
     one = tip_fraction(yes[:1], yes[:1])
-    assert one[:3] == (1, 1, 0) and one.p_value == 1
+    assert one[:3] == (1, 1, 0) and one.p_value == 1 and np.isnan(one.z)
 
 
 def test_skewness_has_the_sign_of_the_protuberances():

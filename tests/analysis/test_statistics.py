@@ -28,31 +28,59 @@ def test_a_constant_series():
     assert mean_in_time(np.full(30, 16.0)) == (16, 0, 16, 16, 30)
 
 
-def series(random, n, correlation):
-    """Stationary series of mean 0 whose correlation falls as exp(-frames/correlation)."""
-    memory = np.exp(-1 / correlation)
-    values = np.empty(n)
-    values[0] = random.normal()
-    for k in range(1, n):
-        values[k] = memory * values[k - 1] + np.sqrt(1 - memory**2) * random.normal()
-    return values
+def series(random, trials, n, memory, noise=0.0):
+    """Stationary series (trials, n) of mean 0, a first-order autoregression, and noise."""
+    draws = random.normal(size=(n, trials))
+    values = [draws[0]]
+    for draw in draws[1:]:
+        values.append(memory * values[-1] + np.sqrt(1 - memory**2) * draw)
+    return np.array(values).T + noise * random.normal(size=(trials, n))
 
 
-def test_intervals_respect_correlation():
-    random, trials = np.random.default_rng(1), 300
-    hits, plain = 0, 0
-    for _ in range(trials):
-        values = series(random, 120, 3.0)
-        one, other = mean_in_time(values), mean(values)
-        assert one.value == other.value == values.mean()
-        hits += one.low < 0 < one.high
-        plain += other.low < 0 < other.high
-    assert plain / trials < 0.75
-    assert hits / trials > 0.95 - 3 * np.sqrt(0.95 * 0.05 / trials)
+def coverage(drawn):
+    """Share of series whose interval holds the truth, and the standard error of it at 95 %."""
+    means = [mean_in_time(values) for values in drawn]
+    hits = np.mean([one.low < 0 < one.high for one in means])
+    return hits, np.sqrt(0.95 * 0.05 / len(drawn))
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5, 0.8, 0.9])
+@pytest.mark.parametrize("n", [20, 40, 120])
+def test_intervals_of_correlated_series_hold_the_truth(n, memory):
+    hits, error = coverage(series(np.random.default_rng(n), 300, n, memory))
+    assert hits > 0.95 - 3 * error
+
+
+def test_noise_does_not_hide_slow_changes():
+    hits, error = coverage(series(np.random.default_rng(7), 200, 400, 0.8, noise=0.5))
+    assert hits > 0.95 - 3.5 * error
+
+
+def test_the_interval_that_takes_values_as_independent_does_not():
+    drawn = series(np.random.default_rng(1), 300, 120, 0.8)
+    assert np.mean([one.low < 0 < one.high for one in map(mean, drawn)]) < 0.75
+    assert all(mean_in_time(values).value == values.mean() for values in drawn[:5])
 
 
 def test_intervals_of_independent_values_are_not_much_too_wide():
-    random = np.random.default_rng(2)
-    drawn = random.normal(size=(200, 100))
+    drawn = np.random.default_rng(2).normal(size=(200, 100))
     wide = [mean_in_time(values).high - values.mean() for values in drawn]
     assert np.mean(wide) < 1.7 * 1.984 / 10
+
+
+@pytest.mark.parametrize("of", [mean, mean_in_time])
+@pytest.mark.parametrize("values", [[0.9, 1, 1, 1, 1, 1], [0, 0, 0, 0.1, 0, 0.3], [0.4, 0.6] * 30])
+def test_intervals_of_fractions_are_fractions(of, values):
+    found = of(np.array(values), fraction=True)
+    assert 0 <= found.low < found.value < found.high <= 1
+    plain = of(np.array(values))
+    middle = plain.low > 0.3 and plain.high < 0.7
+    assert middle or plain.low < 0 or plain.high > 1
+    if middle:  # there it is the same, to first order
+        assert (found.low, found.high) == pytest.approx((plain.low, plain.high), abs=0.01)
+
+
+@pytest.mark.parametrize("of", [mean, mean_in_time])
+@pytest.mark.parametrize("value", [0.0, 1.0])
+def test_a_fraction_that_does_not_change(of, value):
+    assert of(np.full(6, value), fraction=True) == (value, 0, value, value, 6)

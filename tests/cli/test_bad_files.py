@@ -75,7 +75,7 @@ DAMAGE = {
         lambda directory: fill(
             "skin.data", (directory / "skin.data").read_bytes().split(b"\nstate\n")[0]
         )(directory),
-        r"data file .*/built/skin.data: has no section 'state' with that of the cells; build the",
+        r"data file .*/built/skin.data: has no section 'state', that of the cells; build the",
     ),
     "cut state": (
         cut("skin.data", 0.999),

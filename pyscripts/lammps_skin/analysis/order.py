@@ -60,8 +60,9 @@ def order(
     Returns
     -------
     Order
-        All NaN without a cell of the kind. Where there are no other cells the kind is its own
-        reference: chi_H, chi_G and zeta are 0, up to rounding.
+        All NaN without a cell of the kind, and of a single cell in all; sigma also of a single
+        cell of the kind. Where there are no other cells the kind is its own reference: chi_H,
+        chi_G and zeta are 0, up to rounding.
     """
     chosen = np.asarray(kinds) == of
     return Order(
@@ -73,8 +74,8 @@ def order(
 
 
 def excess(values: Floats, chosen: Bools) -> float:
-    """Mean of the chosen values (c,) minus the mean of all; NaN if none is chosen."""
-    if not chosen.any():
+    """Mean of the chosen values (c,) minus the mean of all; NaN if none is chosen, and of one."""
+    if not chosen.any() or len(chosen) < 2:
         return float("nan")
     return float(values[chosen].mean() - values.mean())
 
@@ -82,10 +83,10 @@ def excess(values: Floats, chosen: Bools) -> float:
 def clustering(positions: Floats, box: Box) -> float:
     """Length sigma of the first Fourier components in x and y of positions (c, 2 or 3).
 
-    sigma_d = |mean of exp(2 pi i r_d/L_d)|, sigma^2 = sigma_x^2 + sigma_y^2; NaN without
-    positions.
+    sigma_d = |mean of exp(2 pi i r_d/L_d)|, sigma^2 = sigma_x^2 + sigma_y^2; NaN of a single
+    position or none.
     """
-    if not len(positions):
+    if len(positions) < 2:
         return float("nan")
     sides = np.asarray(box, float)[:2]
     sigma_xy = np.abs(np.exp(2j * np.pi * positions[:, :2] / sides).mean(axis=0))

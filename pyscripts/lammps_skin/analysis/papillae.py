@@ -7,7 +7,7 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import hypergeom
+from scipy.stats import fisher_exact
 
 from lammps_skin.analysis.geometry import Bools, Box, Floats, Ints, periodic_tree
 from lammps_skin.analysis.topography import Peaks, peaks
@@ -42,19 +42,20 @@ class Papillae(NamedTuple):
 
 
 class TipFraction(NamedTuple):
-    """Fraction of chosen cells on tips, against as many cells drawn at random from others.
+    """Fraction of chosen cells on tips, against that of others.
 
     Attributes
     ----------
     fraction : float
         NaN without chosen cells.
-    expected, sd : float
-        Mean and standard deviation of the fraction of cells drawn; NaN if the others are fewer
-        than the chosen.
+    expected : float
+        Fraction of the others; NaN without others.
+    sd : float
+        Standard deviation of the difference of the two, if it does not matter who is chosen.
     z : float
-        (fraction - expected)/sd; NaN also where all draws are alike.
+        (fraction - expected)/sd; NaN also where all cells or none are on tips.
     p_value : float
-        Probability of a fraction at least as large among cells drawn.
+        Of Fisher's exact test: probability of a fraction at least as large if it does not matter.
     """
 
     fraction: float
@@ -121,11 +122,11 @@ def on_tip(positions: Floats, papillae: Papillae, box: Box) -> Bools:
 
 
 def tip_fraction(chosen: Bools, others: Bools) -> TipFraction:
-    """Fraction of chosen cells (stem) on tips, and its null distribution from others (TA).
+    """Fraction of chosen cells (stem) on tips against that of others (TA), Fisher's exact test.
 
-    The number on tips of c cells drawn from o without replacement is hypergeometric, so the
-    null distribution is exact. Cells count as independent: where relatives sit together on one
-    tip, the fractions that occur by chance spread wider.
+    If it does not matter who is chosen, the c chosen cells are drawn from all c + o without
+    replacement, and their number on tips is hypergeometric. Cells count as independent: where
+    relatives sit together on one tip, the fractions that occur by chance spread wider.
 
     Parameters
     ----------
@@ -134,14 +135,17 @@ def tip_fraction(chosen: Bools, others: Bools) -> TipFraction:
     others : (o,) array of bool
         The same of the cells that stand for no preference.
     """
-    c, o, tips = len(chosen), len(others), int(others.sum())
-    fraction = float(chosen.mean()) if c else np.nan
-    if not 0 < c <= o:
-        return TipFraction(fraction, np.nan, np.nan, np.nan, np.nan)
-    expected = tips / o
-    sd = float(np.sqrt(expected * (1 - expected) * (o - c) / (c * max(o - 1, 1))))
+    c, o, up, tips = len(chosen), len(others), int(chosen.sum()), int(others.sum())
+    fraction, expected = (
+        float(cells.mean()) if len(cells) else np.nan for cells in (chosen, others)
+    )
+    if not (c and o):
+        return TipFraction(fraction, expected, np.nan, np.nan, np.nan)
+    n, share = c + o, (up + tips) / (c + o)
+    sd = float(np.sqrt(share * (1 - share) * n**2 / (c * o * (n - 1))))
     z = (fraction - expected) / sd if sd > 0 else np.nan
-    p_value = float(hypergeom.sf(int(chosen.sum()) - 1, o, tips, c))
+    table = np.array([[up, c - up], [tips, o - tips]])
+    p_value = float(fisher_exact(table, alternative="greater").pvalue)
     return TipFraction(fraction, expected, sd, z, p_value)
 
 

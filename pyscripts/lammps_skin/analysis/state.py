@@ -124,7 +124,9 @@ class State:
         return skewness(blocks(self.height, per_side), resamples=RESAMPLES)
 
     def tips(self, of: Kind = Kind.STEM, others: Sequence[Kind] = TA_KINDS) -> TipFraction:
-        """Fraction of the cells of a kind on tips, against cells drawn from others."""
+        """Fraction of the cells of a kind on tips against that of others; NaN without papillae."""
+        if not len(self.papillae.height):
+            return TipFraction(*[np.nan] * 5)
         mine, theirs = self.kinds == of, np.isin(self.kinds, others)
         return tip_fraction(self.on_tip[mine], self.on_tip[theirs])
 

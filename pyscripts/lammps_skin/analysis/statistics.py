@@ -5,11 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.special import expit, logit, stdtr
 from scipy.stats import t as student
 
 from lammps_skin.analysis.geometry import Floats
 
-FEWEST_BLOCKS = 5
+FEWEST = 5  # values of a series
+FEWEST_BLOCKS = 20
+MEMORIES = np.linspace(0.0, 0.99, 100)  # correlations of successive values
 
 
 class Mean(NamedTuple):
@@ -33,51 +37,85 @@ class Mean(NamedTuple):
     n: int
 
 
-def mean(values: Floats, confidence: float = 0.95) -> Mean:
-    """Mean of independent values (n,), such as those of several seeds, after Student's t."""
+def mean(values: Floats, confidence: float = 0.95, fraction: bool = False) -> Mean:
+    """Mean of independent values (n,), such as those of several seeds, after Student's t.
+
+    With `fraction` the values are fractions, and the interval is within [0, 1]: that of the logit.
+    """
     values = np.asarray(values, float)
     values = values[~np.isnan(values)]
-    return _mean(values, len(values), confidence)
+    n = len(values)
+    if n < 2:
+        return Mean(float(values.mean()) if n else np.nan, np.nan, np.nan, np.nan, n)
+    error = float(values.std(ddof=1)) / np.sqrt(n)
+    half = float(student.ppf((1 + confidence) / 2, n - 1)) * error
+    return _around(float(values.mean()), error, half, n, fraction)
 
 
-def mean_in_time(values: Floats, confidence: float = 0.95) -> Mean:
-    """Mean of a stationary series (n,), evenly spaced in time, by block averages.
+def mean_in_time(values: Floats, confidence: float = 0.95, fraction: bool = False) -> Mean:
+    """Mean of a stationary series (n,), evenly spaced in time, whose values are correlated.
 
-    The series is cut into blocks; the means of blocks that are longer than the correlation are
-    independent, and Student's t holds for them. The length of the blocks is doubled from a
-    single value while at least `FEWEST_BLOCKS` are left, and the widest of the intervals is
-    taken. So it is too narrow only where correlation is longer than a sixth of the series.
+    The series is taken for a first-order autoregression. What is not known, its correlation and
+    its variance, is integrated over: for each correlation phi of a grid from 0 to 0.99 the mean
+    has a t distribution (generalised least squares), with a weight from the likelihood and the
+    prior (1 - phi^2)^(-1/2). The interval is that of their mixture. So that noise from frame to
+    frame does not hide slow changes, averages of 2, 4, ... values are taken, too, while there are
+    `FEWEST_BLOCKS` of them, and of these intervals the widest.
 
     Parameters
     ----------
     values : (n,) array
-        NaN is left out. An interval needs `FEWEST_BLOCKS` values.
+        NaN is left out. An interval needs `FEWEST` values.
     confidence : float
+    fraction : bool
+        Whether the values are fractions: the interval is then within [0, 1].
     """
     values = np.asarray(values, float)
     values = values[~np.isnan(values)]
     n, length = len(values), 1
-    widest = Mean(float(values.mean()) if n else np.nan, np.nan, np.nan, np.nan, n)
-    while n // length >= FEWEST_BLOCKS:
+    middle = float(values.mean()) if n else np.nan
+    if n < FEWEST:
+        return Mean(middle, np.nan, np.nan, np.nan, n)
+    if not np.ptp(values):
+        return Mean(middle, 0.0, middle, middle, n)
+    half = 0.0
+    while length == 1 or n // length >= FEWEST_BLOCKS:
         blocks = n // length
         averages = values[n - blocks * length :].reshape(blocks, length).mean(axis=1)
-        found = _mean(averages, n, confidence)
-        if not found.high - found.low <= widest.high - widest.low:
-            shift = widest.value - found.value  # of the values that fill no block
-            widest = found._replace(
-                value=widest.value, low=found.low + shift, high=found.high + shift
-            )
+        half = max(half, _half_width(averages, confidence))
         length *= 2
-    return widest
+    error = half / float(student.ppf((1 + confidence) / 2, n - 1))
+    return _around(middle, error, half, n, fraction)
 
 
-def _mean(values: Floats, n: int, confidence: float) -> Mean:
-    """Mean of independent values that stand for n."""
-    if not len(values):
-        return Mean(np.nan, np.nan, np.nan, np.nan, n)
-    value = float(values.mean())
-    if len(values) < 2:
-        return Mean(value, np.nan, np.nan, np.nan, n)
-    error = float(values.std(ddof=1)) / np.sqrt(len(values))
-    half = float(student.ppf((1 + confidence) / 2, len(values) - 1)) * error
-    return Mean(value, float(error), value - half, value + half, n)
+def _half_width(values: Floats, confidence: float) -> float:
+    """Half width of the interval around the mean of a first-order autoregression (n,)."""
+    n, deviations = len(values), values - values.mean()
+    squares, products = deviations @ deviations, deviations[1:] @ deviations[:-1]
+    first, last = deviations[0], deviations[-1]
+    phi = MEMORIES
+    # generalised least squares for each phi: information of the mean, the mean, what remains
+    information = (1 - phi) * (n - (n - 2) * phi)
+    shift = (1 - phi) * phi * (first + last) / information
+    rest = (1 + phi**2) * squares - phi**2 * (first**2 + last**2) - 2 * phi * products
+    rest = np.maximum(rest - shift**2 * information, np.finfo(float).tiny)
+    # of the posterior, the prior cancels the determinant of the covariance
+    likelihood = -(np.log(information) + (n - 1) * np.log(rest)) / 2
+    weight = np.exp(likelihood - likelihood.max())
+    weight /= weight.sum()
+    spread = np.sqrt(rest / ((n - 1) * information))
+
+    def outside(half: float) -> float:
+        tails = stdtr(n - 1, (-half - shift) / spread) + stdtr(n - 1, (shift - half) / spread)
+        return float(weight @ tails) - (1 - confidence)
+
+    most = float(np.abs(shift).max() + student.isf((1 - confidence) / 4, n - 1) * spread.max())
+    return float(brentq(outside, 0.0, most))
+
+
+def _around(value: float, error: float, half: float, n: int, fraction: bool) -> Mean:
+    """A mean and its interval; of a fraction symmetric in the logit, so within [0, 1]."""
+    if not fraction or not 0 < value < 1:
+        return Mean(value, error, value - half, value + half, n)
+    center, reach = logit(value), half / (value * (1 - value))
+    return Mean(value, error, float(expit(center - reach)), float(expit(center + reach)), n)

@@ -40,9 +40,10 @@ def stats(
     with console.status("analysing"):
         found = summary(run, times)
     told = found["run"]
+    further = f" of {told['end_time']:g}" if told["to"] < told["end_time"] else ""
     console.print(
-        f"{told['scene']}, {told['parameters']}, seed {told['seed']}: {told['frames']} frames, "
-        f"t = {told['from']:g} to {told['to']:g} of {told['end_time']:g}"
+        f"{told['scene']}, {told['parameters']}, {_seeds(told)}: {told['frames']} frames, "
+        f"t = {told['from']:g} to {told['to']:g}{further}"
     )
     means = found["window"]
     window = f"t = {means['start']:g} to {means['end']:g}"
@@ -58,6 +59,12 @@ def stats(
         tables.append((["energy", "first", "mean", "last"], _energies(found["energies"])))
     for heads, rows in tables:
         print_table(heads, rows, right=True)
+
+
+def _seeds(told: dict[str, Any]) -> str:
+    """The seeds that were used: one, or those of the cells and of the dermis."""
+    cells, dermis = told["cell_seed"], told["dermis_seed"]
+    return f"seed {cells}" if cells == dermis else f"seeds {cells} of cells, {dermis} of dermis"
 
 
 def _times(window: str) -> tuple[float, float]:
@@ -84,14 +91,18 @@ def _over_time(found: dict[str, Any]) -> Iterator[tuple[str, ...]]:
     places = _places(found)
     for name in SHOWN[1:]:
         values = [found["observables"][name][place] for place in places]
-        if any(value == value and value for value in values):
+        kind = "nd" if "nd" in name.split("_") else "stem"
+        if any(value == value and value for value in values) or (
+            all(value != value for value in values) and any(found["observables"][kind])
+        ):
             yield name, *map(_number, values)
 
 
 def _averages(means: dict[str, Any]) -> Iterator[tuple[str, ...]]:
     for name, mean in means.items():
         if mean["n"] and not name.endswith(SPREADS):
-            interval = f"{_number(mean['low'])} to {_number(mean['high'])}"
+            defined = mean["low"] == mean["low"]
+            interval = f"{_number(mean['low'])} to {_number(mean['high'])}" if defined else "-"
             yield name, _number(mean["value"]), interval, str(mean["n"])
 
 
