@@ -16,7 +16,9 @@ import os
 import re
 import shutil
 import signal
+import threading
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
@@ -221,6 +223,9 @@ def run_all(
     context = get_context("spawn")
     waiting, failures = list(reversed(todo)), {}
     running: dict[Connection, Running] = {}
+    former = signal.getsignal(signal.SIGTERM)
+    if former == signal.SIG_DFL and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, _terminate)
     try:
         while waiting or running:
             while waiting and len(running) < jobs:
@@ -251,7 +256,14 @@ def run_all(
         for _, process in running.values():
             process.terminate()
             process.join()
+        if signal.getsignal(signal.SIGTERM) is _terminate:
+            signal.signal(signal.SIGTERM, former)
     return failures
+
+
+def _terminate(number: int, _: object) -> None:
+    """End this process as a signal would, but not before its children."""
+    raise SystemExit(128 + number)
 
 
 def _work(member: Member, keep: bool, sender: Connection) -> None:
@@ -261,7 +273,8 @@ def _work(member: Member, keep: bool, sender: Connection) -> None:
         member.run(keep, lambda time: sender.send(float(time)))
         sender.send(None)
     except (SkinError, OSError) as error:
-        sender.send(str(error))
+        with suppress(OSError):  # nobody is there any more
+            sender.send(str(error))
 
 
 # ---- results

@@ -13,6 +13,13 @@ SMALL = (
 )  # fmt: skip
 
 
+def test_a_snapshot_between_frames_names_the_frame(skin, run, tmp_path):  # noqa: F811
+    answer = skin("snapshot", run, "--time", 6.5, "--view", "section", "-o", "x.png")
+    assert answer.out.strip() == "x.png: the frame at t = 5"
+    assert skin("snapshot", run, "--time", 6.5, "--view", "section").code == 0
+    assert (run / "snapshot-section-t5.png").exists()
+
+
 def test_snapshot(skin, run, tmp_path):  # noqa: F811
     answer = skin("snapshot", run, "--time", 5, "--view", "section", "-o", "new/picture.png")
     assert answer.code == 0

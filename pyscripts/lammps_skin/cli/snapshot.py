@@ -30,9 +30,12 @@ def snapshot(
 ) -> None:
     """Draw a run at a time: in three dimensions, as a map of heights, as a vertical section."""
     from lammps_skin.figures import snapshot as pictures  # MDAnalysis takes a second to import
+    from lammps_skin.figures.moments import read_moments
 
-    at = "last" if time is None else f"t{time:g}"
+    shown = None if time is None else read_moments(run, [time])[0].time
+    at = "last" if shown is None else f"t{shown:g}"
     folder = run if run.is_dir() else run.parent
     path = output or folder / f"snapshot-{view}-{at}.png"
     words = [word.strip().lower() for word in show.split(",") if word.strip()]
-    console.print(pictures.snapshot(run, time, path, view, words, y))
+    nearest = "" if shown == time else f": the frame at t = {shown:g}"
+    console.print(f"{pictures.snapshot(run, shown, path, view, words, y)}{nearest}")
