@@ -25,7 +25,7 @@ from lammps_skin.worker import KEY
 GRACE = 2.0  # seconds that the other ranks have to report the same error
 PATIENCE = 120.0  # seconds for the next rank to start
 SHARED = Path("/dev/shm")  # where the ranks of MPICH exchange messages
-SHARED_MEMORY = 4e6  # bytes of it that a rank needs
+SHARED_MEMORY = 2e6  # bytes of it without which a rank cannot begin
 # what batch systems and other mpiruns leave: ours would start ranks elsewhere, or join theirs
 LAUNCHERS = (
     "SLURM_", "PMI_", "PMIX_", "MPI_LOCAL", "MPIEXEC_", "HYDRA_", "HYDI_", "OMPI_", "PALS_",
@@ -217,9 +217,12 @@ def check_shared_memory(ranks: int) -> None:
 
 
 def _environment() -> dict[str, str]:
-    """This process' environment without what leads ranks to other machines or to other worlds."""
+    """This process' environment without what leads ranks to other machines or to other worlds.
+
+    A rank of MPICH that waits spins, unless it is throttled, and takes its core from the others.
+    """
     kept = {k: v for k, v in os.environ.items() if not k.startswith(LAUNCHERS)}
-    return {**kept, "HYDRA_LAUNCHER": "fork"}
+    return {"MPIR_CVAR_CH4_PROGRESS_THROTTLE": "1", **kept, "HYDRA_LAUNCHER": "fork"}
 
 
 def _mpirun() -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
@@ -13,6 +14,7 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -252,6 +254,72 @@ def test_the_trajectory_is_damaged(
     found = list(Store(run / "skin.h5"))
     assert len(found) == len(frames)
     assert all(map(same, found, frames))
+
+
+def test_nothing_damaged_is_overwritten(run: Path) -> None:
+    """One after the other: both are there in the end."""
+    (run / "skin.h5.next").unlink(missing_ok=True)
+    contents = []
+    for _ in range(2):
+        cut(run / "skin.h5")
+        contents.append((run / "skin.h5").read_bytes())
+        with Simulation.resume(run) as resumed:
+            resumed.run(until=resumed.time + 0.4)
+    aside = [run / "skin.h5.damaged", run / "skin.h5.damaged.2"]
+    assert [path.read_bytes() for path in aside] == contents
+
+
+def test_a_damaged_checkpoint_is_kept(run: Path) -> None:
+    """Under another name, once the run has gone on from an older one."""
+    flip(newest(run))
+    content = newest(run).read_bytes()
+    with Simulation.resume(run) as resumed:
+        assert newest(run).read_bytes() == content
+        resumed.run(until=resumed.time + 0.1)
+    assert newest(run).with_name("skin.step250.restart.damaged").read_bytes() == content
+
+
+# ---- what is no damage
+
+
+def assert_refused(run: Path, reason: str) -> None:
+    """In one line, and nothing is changed."""
+    before = {path.name: path.stat().st_mtime_ns for path in run.iterdir()}
+    with pytest.raises(SkinError, match=reason) as refused:
+        Simulation.resume(run)
+    assert "\n" not in str(refused.value)
+    assert {path.name: path.stat().st_mtime_ns for path in run.iterdir()} == before
+
+
+def test_a_trajectory_that_is_locked(run: Path) -> None:
+    """By a program of the user that has it open to write."""
+    holder = "import h5py, sys; file = h5py.File(sys.argv[1], 'a'); print(flush=True); input()"
+    command = [sys.executable, "-c", holder, str(run / "skin.h5")]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
+        assert other.stdout and other.stdin
+        other.stdout.readline()
+        assert_refused(run, r"trajectory .*skin\.h5")
+        other.stdin.close()
+    Simulation.resume(run).close()
+
+
+@pytest.mark.parametrize("number", [errno.EIO, errno.EACCES, errno.ESTALE, errno.EMFILE])
+@pytest.mark.parametrize("name", ["skin.step250.restart", "events.csv"])
+def test_a_checkpoint_that_cannot_be_read_now(
+    name: str, number: int, run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No older one is taken for it."""
+    usual = Path.open
+
+    def fail(path: Path, *arguments: Any, **more: Any) -> Any:
+        if path.name == name:
+            raise OSError(number, os.strerror(number), str(path))
+        return usual(path, *arguments, **more)
+
+    with monkeypatch.context() as sick:
+        sick.setattr(Path, "open", fail)
+        assert_refused(run, os.strerror(number))
+    assert find_resumption(run).restart == newest(run).name
 
 
 # ---- runs of plain lmp

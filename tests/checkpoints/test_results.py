@@ -71,3 +71,46 @@ def test_plain_lmp_leaves_a_running_simulation_alone(run: Path) -> None:
         )  # fmt: skip
     assert lmp.returncode != 0
     assert "another simulation writes the event log ./events.csv" in lmp.stdout
+
+
+# ---- what --force removes
+
+
+def begin_anew(run: Path) -> None:
+    """With --force, up to the end of the start."""
+    result = CliRunner().invoke(app, ["run", str(run), "--force", "--until", "0.02"])
+    assert result.exit_code == 0, result.output
+
+
+def test_force_follows_no_link(halfway: Path, tmp_path: Path) -> None:
+    """Not that of an earlier version's folder, nor one in the place of a file of the run."""
+    run, foreign = tmp_path / "run", tmp_path / "foreign"
+    shutil.copytree(halfway, run)
+    foreign.mkdir()
+    for name in ("thesis.tex", "skin.h5", "log.lammps", "skin.1.restart"):
+        (foreign / name).write_text("mine")
+    (run / ".replaced").symlink_to(foreign)
+    for name in ("skin.h5", "log.lammps", "skin.1.restart"):
+        (run / name).unlink(missing_ok=True)
+        (run / name).symlink_to(foreign / name)
+    begin_anew(run)
+    assert {path.name: path.read_text() for path in foreign.iterdir()} == dict.fromkeys(
+        ("thesis.tex", "skin.h5", "log.lammps", "skin.1.restart"), "mine"
+    )
+    assert (run / ".replaced").is_symlink()
+    assert not list(run.glob(".replaced-*"))
+
+
+def test_force_removes_own_files_alone(halfway: Path, tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(halfway, run)
+    kept = ("skin.h5.copy", "skin.h5.damaged", "skin.good.restart", "events.csv.old", "notes")
+    for name in kept:
+        (run / name).write_text("mine")
+    (run / "skin.2.restart").mkdir()
+    begin_anew(run)
+    assert all((run / name).read_text() == "mine" for name in kept)
+    assert (run / "skin.2.restart").is_dir()
+    assert not (run / "skin.step250.restart").exists()
+    Simulation.resume(run).close()  # nor is a foreign restart file taken for one of the run
+    assert (run / "skin.good.restart").read_text() == "mine"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import io
 import os
 import shutil
@@ -10,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -102,7 +104,67 @@ def test_the_box_is_that_of_the_configuration(run, tmp_path):
     assert Store(tmp_path / "skin.h5")[0].edges.tolist() == configuration.box.tolist()
 
 
+def history(path: Path) -> list[tuple[int, float, str]]:
+    with h5py.File(path) as file:
+        told = file["parameters/history"][:]
+    return [(int(step), float(time), text.decode()) for step, time, text in told]
+
+
+def test_what_is_changed_on_the_way_is_in_the_file(run, built):
+    """Variables of a resumed run, and commands, also after the last frame; not those undone."""
+    with Simulation(None, built, variables={"checkpoint_interval": 0.5}) as simulation:
+        simulation.run(until=0.5)
+        simulation.command("group some id 1:10")
+        simulation.run(until=1.0)
+        simulation.command("group others id 11:20")
+    told = [(50, 0.5, "group some id 1:10"), (100, 1.0, "group others id 11:20")]
+    assert history(built / "skin.h5") == told
+    (built / "skin.step100.restart").unlink()
+    with Simulation.resume(built, variables={"timestep": 0.005}) as simulation:
+        simulation.run(until=1.0)
+    restart = "skin.step50.restart"
+    resumed = (50, 0.5, f"resumed with timestep = 0.005, restart = {restart}")
+    assert history(built / "skin.h5") == [told[0], resumed]
+    with h5py.File(built / "skin.h5") as file:
+        assert dict(file["parameters/variables"].attrs) == {
+            "checkpoint_interval": "0.5", "timestep": "0.005", "restart": restart,
+        }  # fmt: skip
+
+
 # ---- the run
+
+
+@pytest.mark.parametrize("refused", [errno.EPERM, errno.EOPNOTSUPP, errno.EMLINK])
+def test_without_hard_links_files_are_copied(run, tmp_path, monkeypatch, refused):
+    def link(*_):
+        raise OSError(refused, os.strerror(refused))
+
+    monkeypatch.setattr(os, "link", link)
+    with Simulation(run.scene, tmp_path, high_cells(run.scene)) as simulation:
+        simulation.run(until=2.0)
+    assert equal(Store(tmp_path / "skin.h5"), run.frames[:5])
+    assert not list(tmp_path.glob("skin.h5.*"))
+
+
+def test_frames_do_not_change_under_a_reader_where_nothing_is_locked(run, built, monkeypatch):
+    """HDF5 could not tell that somebody has the file open; what he has open stays as it is."""
+    usual = h5py.File
+
+    def unlocked(*arguments, locking=True, **more):
+        if locking:
+            raise OSError(errno.ENOLCK, "No locks available")
+        return usual(*arguments, locking=False, **more)
+
+    monkeypatch.setattr(h5py, "File", unlocked)
+    recorder, opened, before = Recorder(built, run.scene, {}), [], []
+    with ExitStack() as readers:
+        for _ in zip(range(4), replay(run, recorder), strict=False):
+            opened.append(readers.enter_context((built / "skin.h5").open("rb")))
+            contents = [os.pread(file.fileno(), 10**8, 0) for file in opened]
+            assert contents[:-1] == before
+            before = contents
+    monkeypatch.undo()
+    assert equal(Store(built / "skin.h5"), run.frames[:4])
 
 
 @pytest.mark.parametrize(("ranks", "every"), [(1, None), (1, 0.07), (2, 0.31)])
