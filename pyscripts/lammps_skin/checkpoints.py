@@ -83,7 +83,7 @@ class Checkpoints:
             for path in self.passed_over:
                 set_aside(path)
             for path in restart_files(self._directory):
-                if not resumed or _step_of(path) > now:
+                if not path.is_dir() and (not resumed or _step_of(path) > now):
                     path.unlink()
             if resumed:
                 manifest = _read_manifest(self._directory) or {}

@@ -2,6 +2,7 @@
 
 import gzip
 import os
+import shutil
 import signal
 
 import numpy as np
@@ -19,8 +20,9 @@ from lammps_skin.ensemble import (
     window_means,
 )
 from lammps_skin.errors import SceneError, SkinError
-from lammps_skin.observables import COLUMNS, observables
+from lammps_skin.observables import COLUMNS, observables, save
 from lammps_skin.simulation import Simulation
+from lammps_skin.versions import versions
 
 
 def test_one_command_and_the_same_again(skin, tmp_path):
@@ -143,6 +145,73 @@ def test_the_key_is_what_the_seeds_share(scene, tmp_path):
 
     assert key(seed=5) == key(seed=6) == key(description="words")
     assert len({key(), key(end_time=4.0), key(**{"cells.stem": 2}), key(parameters="weak5")}) == 4
+
+
+def test_versions_are_in_the_key(scene, tmp_path, monkeypatch):
+    keys = {Member(scene, tmp_path).key}
+    for name in versions():
+        monkeypatch.setattr("lammps_skin.ensemble.versions", lambda n=name: {**versions(), n: "x"})
+        keys.add(Member(scene, tmp_path).key)
+    assert len(keys) == 4
+
+
+def test_a_seed_of_the_cells_is_the_seed(scene, tmp_path):
+    """Those of the cells differ; the seed of all else belongs to the scene."""
+    own = [Member(scene.replace(**{"cells.seed": n}), tmp_path) for n in (3, 4)]
+    assert [member.seed for member in own] == [3, 4]
+    assert own[0].label == "tiny, seed 3" and own[0].key == own[1].key
+    assert own[0].key != Member(scene.replace(seed=3), tmp_path).key
+    assert own[0].key != Member(scene.replace(seed=5, **{"cells.seed": 3}), tmp_path).key
+
+
+def with_table(member):
+    """A member that has been run, as far as its table tells."""
+    columns = [("time", float), ("zeta", float)]
+    save(np.array([(0.0, member.seed), (1.0, 0.5)], columns), member.table)
+    return member
+
+
+def test_a_gathered_table_gets_more_seeds(scene, tmp_path):
+    """Also of runs whose own tables are not there any more, as in a folder that was passed on."""
+    first = [with_table(member) for member in members([scene], [1, 2, 3], tmp_path)]
+    (gathered,) = gather(first)
+    shutil.rmtree(tmp_path / "runs")
+    assert gather([with_table(*members([scene], [4], tmp_path))]) == [gathered]
+    table = load(gathered)
+    assert table["seed"].tolist() == [1, 1, 2, 2, 3, 3, 4, 4]
+    assert table["zeta"].tolist() == [1, 0.5, 2, 0.5, 3, 0.5, 4, 0.5]
+
+
+def test_a_gathered_table_of_another_key_is_kept(scene, tmp_path):
+    """The table of the last command has the name; none is lost, however they take turns."""
+    other = scene.replace(end_time=2.0)
+    for turn in range(2):
+        for one, seeds in ((scene, [1, 2]), (other, [5 + turn])):
+            named = gather([with_table(member) for member in members([one], seeds, tmp_path)])
+            assert named[-1] == tmp_path / "tiny.csv.gz"
+    kept = tmp_path / f"tiny-{Member(scene, tmp_path).key}.csv.gz"
+    assert named[0] == kept
+    assert np.unique(load(kept)["seed"]).tolist() == [1, 2]
+    assert np.unique(load(named[-1])["seed"]).tolist() == [5, 6]
+    assert {path.name for path in tmp_path.glob("*.gz")} == {"tiny.csv.gz", kept.name}
+    (tmp_path / "tiny.csv.gz").write_bytes(b"notes")
+    gather(members([scene], [1], tmp_path))
+    assert (tmp_path / "tiny-other.csv.gz").read_bytes() == b"notes"
+
+
+def test_a_run_that_cannot_be_resumed_is_kept(scene, tmp_path):
+    (member,) = members([scene], [1], tmp_path)
+    with Simulation(
+        member.scene, member.directory, variables={"checkpoint_interval": 0.5}
+    ) as simulation:
+        simulation.run(until=1.0)
+    for path in member.directory.glob("skin.step*.restart"):
+        path.write_bytes(path.read_bytes().replace(b"22 Jul 2025", b"22 Jul 2019"))
+    (member.directory / "checkpoints.json").unlink()
+    before = {path.name: path.read_bytes() for path in member.directory.iterdir()}
+    with pytest.raises(SkinError, match=r"by LAMMPS 22 Jul 2019.*; the run is kept: move .* away"):
+        member.run()
+    assert {path.name: path.read_bytes() for path in member.directory.iterdir()} == before
 
 
 def test_the_version_of_the_observables_is_in_the_key(scene, tmp_path, monkeypatch):
