@@ -12,7 +12,7 @@ NO_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.E
 PATIENCE = 5.0  # seconds for a run to be done with the file that had this name a moment ago
 
 
-def open_hdf5(path: str | Path, mode: str = "r", kind: type[h5py.File] = h5py.File) -> h5py.File:
+def open_hdf5(path: str | Path, mode: str = "r") -> h5py.File:
     """An open file; locked by HDF5, unless its file system knows no locks.
 
     A run that writes has the file that was skin.h5 a moment ago to itself: who meets it there
@@ -26,7 +26,7 @@ def open_hdf5(path: str | Path, mode: str = "r", kind: type[h5py.File] = h5py.Fi
     deadline = time.monotonic() + PATIENCE
     while True:
         try:
-            return kind(path, mode)
+            return h5py.File(path, mode)
         except BlockingIOError:
             if mode != "r" or time.monotonic() > deadline:
                 raise
@@ -34,4 +34,4 @@ def open_hdf5(path: str | Path, mode: str = "r", kind: type[h5py.File] = h5py.Fi
         except OSError as error:
             if error.errno not in NO_LOCKS:
                 raise
-            return kind(path, mode, locking=False)
+            return h5py.File(path, mode, locking=False)
