@@ -69,7 +69,9 @@ def one_rank(edge_scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> Pat
 
 
 @pytest.mark.parametrize(
-    ("grid", "ranks"), [("2 1 1", 2), ("1 2 1", 2), ("2 2 1", 4)], ids=["x", "y", "both"]
+    ("grid", "ranks"),
+    [("2 1 1", 2), ("1 2 1", 2), pytest.param("2 2 1", 4, marks=pytest.mark.slow)],
+    ids=["x", "y", "both"],
 )
 def test_cuts_through_pairs_and_through_the_edge(
     grid: str, ranks: int, edge_scene: Scene, one_rank: Path, tmp_path: Path

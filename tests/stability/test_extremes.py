@@ -253,8 +253,9 @@ FORCES = {
 }
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("term", [*FORCES, "push"])
+@pytest.mark.parametrize(
+    ("term", "ranks"), [*((term, 1) for term in (*FORCES, "push")), ("pair", 2), ("bend", 2)]
+)
 def test_the_term_that_is_unstable_is_named(term: str, ranks: int) -> None:
     """A force that no step is short enough for, on a particle, and where it comes from."""
     changes, apart, named = FORCES.get(term, ({}, 9.0, "fix push of style addforce"))

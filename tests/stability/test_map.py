@@ -99,31 +99,31 @@ def rough(**changes: object) -> Scene:
     ).replace(**changes)  # fmt: skip
 
 
-def test_largest_eigenvalue_is_that_of_the_whole_hessian() -> None:
+@pytest.mark.parametrize("limit", [8.0, pytest.param(0.0, marks=pytest.mark.slow)])
+def test_largest_eigenvalue_is_that_of_the_whole_hessian(limit: float) -> None:
     """All second derivatives, column by column, with and without mobilities."""
-    for limit in (0.0, 8.0):
-        with Simulation(rough(**{"numerics.stiffness_limit": limit})) as simulation:
-            simulation.command("displace_atoms all random 0.02 0.02 0.02 5 units box")
-            simulation.command("run 0 post no")
-            begun = simulation.forces()
-            mobility = mobilities(simulation) if limit else np.ones(len(begun.ids))
-            found = largest_eigenvalue(simulation, mobility)
-            np.testing.assert_allclose(simulation.forces().positions, begun.positions, atol=1e-12)
-            columns = []
-            for n in range(begun.positions.size):
-                step = np.zeros(begun.positions.size)
-                step[n] = 1e-6
-                step = step.reshape(-1, 3)
-                sides = []
-                for sign in (-1, 1):
-                    simulation.move(begun.ids, begun.positions + sign * step)
-                    sides.append(simulation.forces().forces.ravel())
-                columns.append((sides[0] - sides[1]) / 2e-6)
-        hessian = np.array(columns)
-        np.testing.assert_allclose(hessian, hessian.T, atol=1e-5)
-        whole = np.linalg.eigvals(np.repeat(mobility, 3)[:, None] * hessian).real.max()
-        assert found == pytest.approx(whole, rel=2e-3)
-        assert (mobility.min() < 0.9) == (limit > 0)
+    with Simulation(rough(**{"numerics.stiffness_limit": limit})) as simulation:
+        simulation.command("displace_atoms all random 0.02 0.02 0.02 5 units box")
+        simulation.command("run 0 post no")
+        begun = simulation.forces()
+        mobility = mobilities(simulation) if limit else np.ones(len(begun.ids))
+        found = largest_eigenvalue(simulation, mobility)
+        np.testing.assert_allclose(simulation.forces().positions, begun.positions, atol=1e-12)
+        columns = []
+        for n in range(begun.positions.size):
+            step = np.zeros(begun.positions.size)
+            step[n] = 1e-6
+            step = step.reshape(-1, 3)
+            sides = []
+            for sign in (-1, 1):
+                simulation.move(begun.ids, begun.positions + sign * step)
+                sides.append(simulation.forces().forces.ravel())
+            columns.append((sides[0] - sides[1]) / 2e-6)
+    hessian = np.array(columns)
+    np.testing.assert_allclose(hessian, hessian.T, atol=1e-5)
+    whole = np.linalg.eigvals(np.repeat(mobility, 3)[:, None] * hessian).real.max()
+    assert found == pytest.approx(whole, rel=2e-3)
+    assert (mobility.min() < 0.9) == (limit > 0)
 
 
 def test_mobilities_are_those_of_a_run() -> None:
