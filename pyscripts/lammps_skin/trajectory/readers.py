@@ -87,16 +87,17 @@ class FrameReader(ReaderBase):  # type: ignore[misc]
         return mean
 
     def _reopen(self) -> None:
-        self.ts.frame = -1
+        """Go before the first frame; the timestep stays until another one is read."""
+        self._frame = -1
 
     def _read_next_timestep(self, ts: Any = None) -> Any:
-        return self._read_frame(self.ts.frame + 1)
+        return self._read_frame(self._frame + 1)
 
     def _read_frame(self, n: int) -> Any:
         if n >= self.n_frames:
             raise OSError("there are no more frames")  # as MDAnalysis wants to be told
         frame, ts = self.frames[n], self.ts
-        ts.frame = n
+        ts.frame = self._frame = n
         ts.dimensions = [*frame.edges, 90, 90, 90]
         data = frame.over_slots(self.n_atoms)
         ts.positions = data["position"]
