@@ -138,7 +138,7 @@ def watch(
     launcher = [str(BIN / "mpirun"), "-launcher", "fork", "-np", str(ranks)] if ranks > 1 else []
     program = [sys.executable, str(Path(__file__).with_name("watch.py"))]
     subprocess.run(
-        [*launcher, *program, "mesh.npz", "out.json", *more], cwd=directory, check=True, timeout=100
+        [*launcher, *program, "mesh.npz", "out.json", *more], cwd=directory, check=True, timeout=600
     )
     found = []
     for error in json.loads((directory / "out.json").read_text()):
