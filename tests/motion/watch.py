@@ -76,7 +76,7 @@ def main(mesh_file: str, out: str, *hybrid: str) -> None:
     if rank == 0:
         with open(out, "w") as file:
             json.dump(errors, file)
-    engine.close()
+    engine.finalize()
 
 
 if __name__ == "__main__":
