@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -42,3 +44,17 @@ def test_built_directory_is_up_to_date(tmp_path: Path) -> None:
         np.testing.assert_allclose(numbers, old_numbers, rtol=1e-11, atol=1e-15, err_msg=name)
     sizes = [(path / "skin.data").read_text().splitlines()[:14] for path in (tmp_path, SHIPPED)]
     assert sizes[0] == sizes[1]
+
+
+def test_data_without_the_state_of_its_cells_are_refused(tmp_path: Path) -> None:
+    """By plain LAMMPS too: the cells would begin anew."""
+    build(Scene.load("two-cells"), tmp_path)
+    data = tmp_path / "skin.data"
+    data.write_text(data.read_text().split("\nstate\n")[0])
+    lmp = Path(sys.executable).with_name("lmp")
+    ended = subprocess.run(
+        [lmp, "-in", "skin.in", "-log", "none"], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert ended.returncode == 1
+    assert "skin.data has no section state, which holds the state of its cells" in ended.stdout
+    assert not (tmp_path / "events.csv").exists()
