@@ -20,9 +20,10 @@ TABLE = table()
 
 
 IDS = [f"{row.family}: {row.command}" for row in TABLE]
+MARKED = [pytest.param(row, marks=pytest.mark.slow if row.slow else ()) for row in TABLE]
 
 
-@pytest.mark.parametrize("row", TABLE, ids=IDS)
+@pytest.mark.parametrize("row", MARKED, ids=IDS)
 def test_command(row: Row, tried: Tried) -> None:
     assert_as_told(tried(row), tried)
 

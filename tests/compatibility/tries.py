@@ -2,7 +2,7 @@
 
 The table is `commands/*.toml`. A row names a `command`, the `scene` that it is tried in, and the
 `lines` that come after the set-up of the scene and before its run of 40 steps
-(`@setup` stands for the set-up once more). Keys of a row:
+(`@setup` stands for the set-up once more, `@plugin` for the path of the plugin). Keys of a row:
 
 =========== ======================================================================================
 works       the command works; the text says with what its numbers are compared
@@ -19,6 +19,7 @@ balanced    false if other commands create or remove atoms, so that events do no
 atoms       false if there are no atoms to look at in the end
 arguments   command line of LAMMPS
 young       true for the state of time 0, without deaths
+slow        true if it is not for the quick tests
 =========== ======================================================================================
 """
 
@@ -27,9 +28,11 @@ import re
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from lammps_skin import plugin
 
 from tests.compatibility.scenes import STATE
 
@@ -61,6 +64,7 @@ class Row:
     atoms: bool = True
     arguments: str = ""
     young: bool = False
+    slow: bool = False
 
     @property
     def result(self) -> str:
@@ -98,7 +102,9 @@ def script(row: Row, setup: str) -> str:
             f"write_dump all custom final.dump id type mol xu yu zu x y z {properties} "
             "modify sort id format float %.17g"
         )
-    lines = row.lines.replace("@setup", setup)
+    lines = row.lines.replace("@setup", setup).replace(
+        "@plugin", f"{plugin.folder()}/skinplugin.so"
+    )
     return "\n".join([setup, lines, *checks, *end]) + "\n"
 
 
@@ -122,7 +128,7 @@ class Try:
     def read(self, name: str) -> str:
         return (self.directory / name).read_text()
 
-    @property
+    @cached_property
     def atoms(self) -> dict[str, np.ndarray]:
         """Columns of the final state, sorted by ID."""
         return read_dump(self.directory / "final.dump")
