@@ -1,6 +1,8 @@
 """What rows of the table look at, in what a run has left: functions of the try and of the scene
 alone."""
 
+import re
+
 import numpy as np
 from lammps_skin import potentials
 
@@ -140,12 +142,14 @@ def warns_of_two_integrators(done: Try, plain: Try) -> None:
     assert "atoms are time integrated more than once" in done.read("log.lammps")
 
 
-def nothing(done: Try, plain: Try) -> None:
-    raise AssertionError("nothing is looked at")
-
-
 def printed_equal(done: Try, plain: Try) -> None:
     """Both numbers of printed.txt are the same, and not 0."""
     left, right = map(float, done.read("printed.txt").split())
     assert left != 0
     assert np.isclose(left, right, **CLOSE)
+
+
+def warns_of_inherit(done: Try, plain: Try) -> None:
+    """LAMMPS warns that daughters do not move."""
+    warnings = re.findall("WARNING: (.*)", done.read("log.lammps"))
+    assert any("inherit" in warning for warning in warnings)
