@@ -153,3 +153,8 @@ def warns_of_inherit(done: Try, plain: Try) -> None:
     """LAMMPS warns that daughters do not move."""
     warnings = re.findall("WARNING: (.*)", done.read("log.lammps"))
     assert any("inherit" in warning for warning in warnings)
+
+
+def warns_of_lists(done: Try, plain: Try) -> None:
+    """A warning says that particles have moved beyond the neighbor lists."""
+    assert re.search("WARNING: .*neighbor", done.read("log.lammps"))
