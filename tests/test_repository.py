@@ -90,3 +90,9 @@ def test_columns_of_the_plugin():
         if len(line) > 100
     ]  # fmt: skip
     assert not long
+
+
+def test_names_of_test_files_are_unique() -> None:
+    """Two of one name cannot be collected together."""
+    names = sorted(path.name for path in (ROOT / "tests").rglob("test_*.py"))
+    assert names == sorted(set(names))
