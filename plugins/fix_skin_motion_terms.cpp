@@ -1,5 +1,5 @@
-// single terms of the forces in fix skin/motion: which is the largest, and whether they are the same
-// when they are computed again
+// single terms of the forces in fix skin/motion: which is the largest, and whether they are the
+// same when they are computed again
 
 #include "fix_skin_motion.h"
 
@@ -105,8 +105,10 @@ std::string FixSkinMotion::largest_term(int rank, int i)
   if (force->bond) terms.push_back({"stretch", [&] { force->bond->compute(0, 0); }});
   if (force->dihedral) terms.push_back({"bend", [&] { force->dihedral->compute(0, 0); }});
   if (cells) {
-    terms.push_back({"adhesion or binding", [&] { cells->add_forces(FixSkinCells::ATTACHMENT, 0); }});
-    terms.push_back({"division springs", [&] { cells->add_forces(FixSkinCells::SPRINGS, 0); }});
+    const auto attach = [&] { cells->add_forces(FixSkinCells::ATTACHMENT, 0); };
+    const auto pull = [&] { cells->add_forces(FixSkinCells::SPRINGS, 0); };
+    terms.push_back({"adhesion or binding", attach});
+    terms.push_back({"division springs", pull});
   }
   for (Fix *fix : modify->get_fix_list())
     if (modify->get_fix_mask(fix) & POST_FORCE) terms.push_back(fix_term(fix));
