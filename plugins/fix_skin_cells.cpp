@@ -35,6 +35,7 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     known_atoms(0), energy{}, energy_all{}, energy_summed(false), nmax(0), rearranged(true)
 {
   parse(narg, arg);
+  skip_used_ids();    // also those of atoms that are removed before the first run
 
   restart_global = 1;
   force_reneighbor = 1;
