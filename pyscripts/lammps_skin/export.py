@@ -14,7 +14,7 @@ from lammps_skin.analysis.curvature import curvature
 from lammps_skin.analysis.geometry import minimum_image
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.output import completed
+from lammps_skin.files import completed
 from lammps_skin.scene import Scene
 from lammps_skin.trajectory.dump import Dump, write_dump
 from lammps_skin.trajectory.frame import Frame, Ints

@@ -10,7 +10,7 @@ import pytest
 from lammps_skin import export
 from lammps_skin.errors import SkinError
 from lammps_skin.figures.snapshot import save
-from lammps_skin.output import completed
+from lammps_skin.files import completed
 from lammps_skin.trajectory.frame import Frame
 from matplotlib.figure import Figure
 

@@ -10,7 +10,7 @@ import typer
 from lammps_skin import evaluate as single_point
 from lammps_skin.cli.options import Parameters, Settings, changes_from
 from lammps_skin.errors import ConfigurationError
-from lammps_skin.output import completed
+from lammps_skin.files import completed
 from lammps_skin.parameters import DEFAULT
 
 

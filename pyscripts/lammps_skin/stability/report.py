@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lammps_skin.errors import SkinError
-from lammps_skin.output import completed
+from lammps_skin.files import completed
 from lammps_skin.stability.bisection import Limit
 from lammps_skin.stability.methods import Method
 from lammps_skin.tradeoff.report import Text, csv_text, markdown_table, number

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from lammps_skin.errors import SkinError
-from lammps_skin.output import completed
+from lammps_skin.files import completed
 from lammps_skin.tradeoff.bias import Bias, root_mean_square
 from lammps_skin.tradeoff.errors import Distance, Order
 from lammps_skin.tradeoff.grid import Variant
