@@ -19,11 +19,11 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from lammps_skin import lattice
 from lammps_skin.analysis.geometry import minimum_image
+from lammps_skin.analysis.observables import Observables, Run, open_run
 from lammps_skin.analysis.state import State, StateAnalysis
 from lammps_skin.kinds import Kind
-from lammps_skin.observables import Observables, Run, open_run
+from lammps_skin.start import lattice
 
 ROUNDS = 7
 PARTS: dict[str, Callable[[State], Any]] = {  # each uses what those before it have left

@@ -20,12 +20,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from lammps_skin import lattice
-from lammps_skin.configuration import Configuration
-from lammps_skin.engine import open_lammps
+from lammps_skin.engine.engine import open_lammps
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.terms import stretch_table, stretch_term
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.terms import stretch_table, stretch_term
+from lammps_skin.start import lattice
+from lammps_skin.start.configuration import Configuration
 from whole_run import frames_of
 
 NOISE = 0.02  # of the heights of the flat membrane

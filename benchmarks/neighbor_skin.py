@@ -15,8 +15,8 @@ import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
 
 
 def events(scene: Scene, until: float, folder: Path) -> list[str]:

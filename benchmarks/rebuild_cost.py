@@ -23,8 +23,8 @@ from pathlib import Path
 
 import numpy as np
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
 from step_cost import stock
 from whole_run import QUIET, configuration_of, frames_of
 

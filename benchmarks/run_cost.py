@@ -13,9 +13,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from lammps_skin.cost import estimate
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.study.cost import estimate
 
 PIECES = 40
 

@@ -35,12 +35,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from lammps_skin import lattice
-from lammps_skin.build import build
-from lammps_skin.configuration import PER_PARTICLE, Configuration
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start import lattice
+from lammps_skin.start.build import build
+from lammps_skin.start.configuration import PER_PARTICLE, Configuration
 from whole_run import configuration_of, frames_of
 
 DATA = Path(__file__).resolve().parent.parent / "docs" / "data"

@@ -11,8 +11,8 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from lammps_skin.observables import load
-from lammps_skin.tradeoff.bias import biases
+from lammps_skin.analysis.observables import load
+from lammps_skin.study.tradeoff.bias import biases
 
 DATA = Path(__file__).resolve().parents[1] / "docs" / "data"
 BEFORE = "balanced-skin-0.25"  # the variant whose errors are taken

@@ -22,20 +22,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from lammps_skin.build import ghost_cutoff
-from lammps_skin.configuration import Configuration
-from lammps_skin.engine import open_lammps
+from lammps_skin.engine.engine import open_lammps
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
-from lammps_skin.tables import Table, pair_grid
-from lammps_skin.terms import (
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.tables import Table, pair_grid
+from lammps_skin.model.terms import (
     cell_kinds,
     pair_shapes,
     pair_terms,
     stretch_table,
     wall_coefficients,
 )
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.build import ghost_cutoff
+from lammps_skin.start.configuration import Configuration
 
 STEPS, ROUNDS, POINTS = 200, 7, 10_000
 

@@ -22,11 +22,11 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
-from lammps_skin import lattice
-from lammps_skin.configuration import Configuration
 from lammps_skin.kinds import CELLS
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start import lattice
+from lammps_skin.start.configuration import Configuration
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.frame import Frame
 from lammps_skin.trajectory.store import Store, trajectory_of

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin import parameters, potentials, terms
-from lammps_skin.accuracy import LEVELS
-from lammps_skin.build import SCRIPTS
 from lammps_skin.cli import app
 from lammps_skin.cli.options import scene_from
-from lammps_skin.packing import FORCE_TOLERANCE, dermal_count
-from lammps_skin.scene import Scene
-from lammps_skin.scenes import BUILT_IN
+from lammps_skin.model import parameters, potentials, terms
+from lammps_skin.model.accuracy import LEVELS
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.scenes import BUILT_IN
+from lammps_skin.start.build import SCRIPTS
+from lammps_skin.start.packing import FORCE_TOLERANCE, dermal_count
 from pages import BY_NAME, PACKAGE, PAGES, ROOT, codes, commands, fences, rows, section, text
 from pydantic import BaseModel
 from typer.main import get_command
@@ -267,31 +267,63 @@ def test_columns_of_thermo_output() -> None:
 # ---- the house
 
 
-def imports(module: str) -> set[str]:
-    """Modules of the package that a module or subpackage imports from outside itself."""
-    files = (PACKAGE / module).glob("*.py") if (PACKAGE / module).is_dir() else [
-        PACKAGE / f"{module}.py"
-    ]  # fmt: skip
+def imports(path: Path) -> set[str]:
+    """Modules that a source file imports from the package, as dotted names within it."""
     found = set()
-    for node in (node for path in files for node in ast.walk(ast.parse(path.read_text("utf-8")))):
-        if isinstance(node, ast.ImportFrom) and node.module == "lammps_skin":
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("lammps_skin."):
-            found.add(str(node.module).split(".")[1])
-    return found - {module}
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("lammps_skin"):
+            room = str(node.module).removeprefix("lammps_skin").lstrip(".")
+            names = [f"{room}.{alias.name}".lstrip(".") for alias in node.names]
+            found |= {name if is_module(name) else room for name in names}
+    return found - {""}
+
+
+def is_module(name: str) -> bool:
+    place = PACKAGE.joinpath(*name.split("."))
+    return place.is_dir() or place.with_suffix(".py").exists()
+
+
+def room_of(name: str) -> str:
+    """The room that a module is in."""
+    return name.split(".")[0] if (PACKAGE / name.split(".")[0]).is_dir() else "lammps_skin"
+
+
+def test_rooms() -> None:
+    """Every room is named, nothing else is, and none imports one below it."""
+    rooms = [row[0].strip("`") for row in rows(section("architecture.md", "The package"))
+             if room_of(row[0].strip("`")) == row[0].strip("`")]  # fmt: skip
+    there = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
+    assert sorted(rooms) == sorted(there | {"lammps_skin"})
+    for path in PACKAGE.rglob("*.py"):
+        inside = path.relative_to(PACKAGE)
+        if inside.name == "__init__.py":
+            continue
+        room = inside.parts[0] if len(inside.parts) > 1 else "lammps_skin"
+        allowed_rooms = rooms[: rooms.index(room) + 1]
+        assert {room_of(name) for name in imports(path)} <= set(allowed_rooms), inside
 
 
 def test_modules() -> None:
-    """Every module of the package is named, nothing else is, and none imports one below it."""
+    """Every module of some rooms is named, nothing else is, and none imports one below it."""
     table = rows(section("architecture.md", "The package"))
-    named = [name for row in table for name in codes(row[0])]
-    there = {
-        path.stem for path in PACKAGE.iterdir()
-        if path.suffix == ".py" or (path / "__init__.py").exists()
-    }  # fmt: skip
-    assert sorted(named) == sorted(there - {"__init__"})
-    for n, module in enumerate(named):
-        assert imports(module) <= set(named[:n]), module
+    named = [row[0].strip("`") for row in table]
+    named = [name for name in named if room_of(name) != name]
+    for room in {room_of(name) for name in named}:
+        folder = PACKAGE if room == "lammps_skin" else PACKAGE / room
+        prefix = "" if room == "lammps_skin" else f"{room}."
+        there = {f"{prefix}{path.stem}" for path in folder.glob("*.py") if path.stem != "__init__"}
+        if prefix:
+            there |= {f"{prefix}{path.parent.name}" for path in folder.glob("*/__init__.py")}
+        mine = [name for name in named if room_of(name) == room]
+        assert sorted(mine) == sorted(there)
+        for n, module in enumerate(mine):
+            place = PACKAGE.joinpath(*module.split("."))
+            files = [*place.glob("*.py")] if place.is_dir() else [place.with_suffix(".py")]
+            used = {found for path in files for found in imports(path) if room_of(found) == room}
+            used = {found for found in used if not f"{found}.".startswith(f"{module}.")}
+            used = {next((name for name in mine if f"{found}.".startswith(f"{name}.")), found)
+                    for found in used}  # fmt: skip
+            assert used <= set(mine[:n]), module
 
 
 def test_names_of_the_architecture() -> None:
@@ -326,7 +358,7 @@ def test_names_of_the_package() -> None:
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("lammps_skin"):
                 prefix = f"{node.module}.".removeprefix("lammps_skin.")
                 found |= {f"{prefix}{alias.name}" for alias in node.names}
-    assert {"potentials.stretch", "Scene"} <= found
+    assert {"model.potentials.stretch", "Scene"} <= found
     for name in sorted(found):
         attribute(name)
 
@@ -345,7 +377,7 @@ def test_terms() -> None:
     table = rows(section("architecture.md", "Terms"))
     assert [row[0].strip("`") for row in table] == list(terms.TERMS)
     for row in table:
-        assert callable(getattr(potentials, codes(row[2])[0].removeprefix("potentials.")))
+        assert callable(getattr(potentials, codes(row[2])[0].removeprefix("model.potentials.")))
     ours = {name for row in table for name in re.findall(r"`([^`]+)` \(ours\)", row[1])}
     registered = re.findall(
         r'style = "(\w+)";\s*plugin.name = "([\w/]+)"', text("plugins/skinplugin.cpp")

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from lammps_skin.build import build
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start.build import build
 
 SHIPPED = Path(__file__).resolve().parents[1] / "lammps_inputs"
 SUFFIXES = {".in", ".toml", ".data", ".table"}  # of what `skin build` writes

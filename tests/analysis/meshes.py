@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
-from lammps_skin import lattice
+from lammps_skin.start import lattice
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 

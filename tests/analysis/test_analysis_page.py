@@ -4,8 +4,8 @@ import re
 from pathlib import Path
 
 from lammps_skin.analysis import series
+from lammps_skin.analysis.observables import COLUMNS
 from lammps_skin.analysis.state import StateAnalysis
-from lammps_skin.observables import COLUMNS
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "analysis.md").read_text("utf-8")
 

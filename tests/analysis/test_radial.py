@@ -5,9 +5,10 @@ from __future__ import annotations
 import MDAnalysis
 import numpy as np
 import pytest
-from lammps_skin import lattice, open_trajectory
+from lammps_skin import open_trajectory
 from lammps_skin.analysis.radial import InPlaneRDF, pairs_within
 from lammps_skin.errors import SkinError
+from lammps_skin.start import lattice
 from MDAnalysis.coordinates.memory import MemoryReader
 
 BOX = np.array([10.0, 8.0])

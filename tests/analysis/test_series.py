@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from lammps_skin import lattice
 from lammps_skin.analysis.coverage import coverage
 from lammps_skin.analysis.curvature import curvature
 from lammps_skin.analysis.geometry import nearest
 from lammps_skin.analysis.lineage import founder_of, mixing, read_events
+from lammps_skin.analysis.observables import COLUMNS, Observables
 from lammps_skin.analysis.order import order
 from lammps_skin.analysis.papillae import blocks, find_papillae, on_tip, skewness, tip_fraction
 from lammps_skin.analysis.series import (
@@ -24,7 +24,7 @@ from lammps_skin.analysis.spectrum import height_spectrum
 from lammps_skin.analysis.surface import height_field, smooth
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import Kind
-from lammps_skin.observables import COLUMNS, Observables
+from lammps_skin.start import lattice
 from lammps_skin.trajectory.universe import open_trajectory
 
 R_C, REACH = 1.4, 1.2 * 2.4

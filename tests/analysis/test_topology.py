@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from lammps_skin import Configuration, Scene, Simulation
 from lammps_skin.analysis.geometry import Floats, Ints, minimum_image
+from lammps_skin.analysis.observables import observables
 from lammps_skin.errors import MembraneError
 from lammps_skin.figures import snapshot as pictures
 from lammps_skin.kinds import Kind
-from lammps_skin.observables import observables
 from meshes import icosphere, sheet
 
 RADIUS, HEIGHT = 3.3, 12.0

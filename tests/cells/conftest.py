@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from lammps_skin import lattice
-from lammps_skin.configuration import Configuration
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.terms import division_spring
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.terms import division_spring
+from lammps_skin.start import lattice
+from lammps_skin.start.configuration import Configuration
 
 # threads that wait must not keep the cores from other processes
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")

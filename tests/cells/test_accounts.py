@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
-from lammps_skin.build import build
 from lammps_skin.kinds import Kind
+from lammps_skin.start.build import build
 
 from tests.cells.conftest import CONTACT, HEIGHT, place
 from tests.cells.scripts import busy, error_of, run, run_script, snapshots, told

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from lammps_skin.engine import one_line, open_lammps
+from lammps_skin.engine.engine import one_line, open_lammps
 
 PROPERTIES = (
     "i_divisions_left i_divisions_done i_parent i_pair "

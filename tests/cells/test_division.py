@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin.engine import Cells
+from lammps_skin.engine.engine import Cells
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
 from scipy import stats
 
 from tests.cells.conftest import (

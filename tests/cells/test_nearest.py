@@ -4,11 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from lammps_skin.configuration import Configuration
-from lammps_skin.engine import Cells, Forces
+from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.configuration import Configuration
 
 from tests.cells.conftest import CONTACT, HEIGHT, crowd, grid, membrane_scene, place, wave
 

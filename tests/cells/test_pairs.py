@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin import potentials
 from lammps_skin.kinds import Kind
-from lammps_skin.simulation import Simulation
+from lammps_skin.model import potentials
+from lammps_skin.run.simulation import Simulation
 
 from tests.cells.conftest import (
     CONTACT,

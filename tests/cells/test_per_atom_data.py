@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin.build import build
+from lammps_skin.start.build import build
 
 from tests.cells.conftest import of_kind, read_events
 from tests.cells.scripts import busy, run_script, snapshots, told

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin.configuration import Configuration
-from lammps_skin.engine import Cells
+from lammps_skin.engine.engine import Cells
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
-from lammps_skin.terms import division_spring
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.terms import division_spring
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.configuration import Configuration
 from lammps_skin.trajectory.dump import write_dump
 from lammps_skin.trajectory.store import Store
 

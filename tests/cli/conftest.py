@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from lammps_skin import lattice
 from lammps_skin.cli import main
+from lammps_skin.start import lattice
 
 
 class Answer(NamedTuple):

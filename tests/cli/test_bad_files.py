@@ -11,9 +11,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from lammps_skin import lattice
-from lammps_skin.build import build
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start import lattice
+from lammps_skin.start.build import build
 
 # ---- built directories
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from lammps_skin.build import build
-from lammps_skin.scene import Scene
-from lammps_skin.scenes import BUILT_IN
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.scenes import BUILT_IN
+from lammps_skin.start.build import build
 
 TOP_KEYS = "allowed: name, description, parameters, force_scale, seed, box, box_height, end_time"
 

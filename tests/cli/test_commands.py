@@ -12,12 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin import configuration, engine
-from lammps_skin.configuration import Configuration
+from lammps_skin.engine import engine
 from lammps_skin.kinds import Kind
-from lammps_skin.parameters import SETS
-from lammps_skin.scene import Scene
-from lammps_skin.scenes import BUILT_IN
+from lammps_skin.model.parameters import SETS
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.scenes import BUILT_IN
+from lammps_skin.start import configuration
+from lammps_skin.start.configuration import Configuration
 from lammps_skin.trajectory.store import Store
 
 from tests.trajectory.conftest import same
@@ -112,7 +113,7 @@ def test_check_says_what_could_be_left_out(skin):
 
 
 def test_check_measures_what_could_be_left_out():
-    from lammps_skin.savings import measured
+    from lammps_skin.study.savings import measured
 
     scene = Scene.load("one-stem").replace(**{"cells.stem": 0})
     found = {next(iter(saving.changes)): saving.time for saving in measured(scene, steps=4)}
@@ -123,7 +124,7 @@ def test_check_measures_what_could_be_left_out():
 
 
 def test_cost_grows_with_what_it_is_made_of():
-    from lammps_skin.cost import estimate
+    from lammps_skin.study.cost import estimate
 
     scene = Scene.load("quarter-ring")
     whole = estimate(scene)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin import export
 from lammps_skin.errors import SkinError
+from lammps_skin.figures import export
 from lammps_skin.figures.snapshot import save
 from lammps_skin.files import completed
 from lammps_skin.trajectory.frame import Frame

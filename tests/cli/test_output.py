@@ -10,9 +10,9 @@ import pytest
 from lammps_skin.cli.journey import NOTEWORTHY, TOO_MUCH, Journey
 from lammps_skin.cli.output import console, print_table
 from lammps_skin.cli.progress import Progress
-from lammps_skin.engine import Motion
-from lammps_skin.savings import candidates
-from lammps_skin.scene import Scene
+from lammps_skin.engine.engine import Motion
+from lammps_skin.model.scene import Scene
+from lammps_skin.study.savings import candidates
 
 SMALL = ("--set", "membrane.lattice=[12,14]")
 ORDERS = ("\x1b]0;x\x07", "\x1b[2J", "\x9b31m", "\x08\x08", "\r", "\x7f", "\u202e", "\x00")

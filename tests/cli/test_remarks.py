@@ -1,8 +1,8 @@
 """A timestep that is shortened for an interval, and times that do not fit it, are told of."""
 
 import pytest
-from lammps_skin.remarks import remarks
-from lammps_skin.scene import Scene
+from lammps_skin.model.remarks import remarks
+from lammps_skin.model.scene import Scene
 
 SMALL = ("--set", "membrane.lattice=[12,14]")
 END, DUMP, STEP = "end_time", "output.dump_interval", "numerics.timestep"

@@ -9,11 +9,11 @@ import re
 from pathlib import Path
 
 import numpy as np
-from lammps_skin import lattice
-from lammps_skin.build import build
-from lammps_skin.configuration import Configuration
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start import lattice
+from lammps_skin.start.build import build
+from lammps_skin.start.configuration import Configuration
 
 LATTICE = (24, 28)
 HEIGHT = 22.4

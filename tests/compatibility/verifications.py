@@ -4,7 +4,7 @@ alone."""
 import re
 
 import numpy as np
-from lammps_skin import potentials
+from lammps_skin.model import potentials
 
 from tests.compatibility.tries import CLOSE, Try, read_dump
 

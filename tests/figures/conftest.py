@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin import lattice
 from lammps_skin.analysis.geometry import Floats
 from lammps_skin.figures import gallery, snapshot
 from lammps_skin.figures.moments import Moment
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start import lattice
 from lammps_skin.trajectory.dump import write_dump
 from lammps_skin.trajectory.store import Store
 

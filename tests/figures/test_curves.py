@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from lammps_skin.figures.curves import curves, draw_potentials
-from lammps_skin.scene import Scene
-from lammps_skin.terms import TERMS
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.terms import TERMS
 
 
 @pytest.fixture(params=["printed", "papilla", "direct5"])

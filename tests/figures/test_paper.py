@@ -6,12 +6,12 @@ import shutil
 
 import numpy as np
 import pytest
-from lammps_skin.ensemble import Member, with_seed
+from lammps_skin.analysis.observables import COLUMNS, save
 from lammps_skin.errors import FigureError
 from lammps_skin.figures.paper import FIGURES, Request, figure_of, run_of
-from lammps_skin.observables import COLUMNS, save
-from lammps_skin.scene import Scene
-from lammps_skin.scenes import BUILT_IN
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.scenes import BUILT_IN
+from lammps_skin.study.ensemble import Member, with_seed
 
 
 def rows(value, times=(0.0, 10.0)):

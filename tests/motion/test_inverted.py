@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from lammps_skin import lattice
+from lammps_skin.start import lattice
 
 from tests.analysis.meshes import Floats, Ints, icosphere
 

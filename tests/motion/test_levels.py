@@ -4,8 +4,8 @@ import math
 from typing import Any
 
 import pytest
-from lammps_skin.accuracy import LEVELS, TIMESTEPS
-from lammps_skin.scene import Numerics, Scene
+from lammps_skin.model.accuracy import LEVELS, TIMESTEPS
+from lammps_skin.model.scene import Numerics, Scene
 
 
 def numerics(**changes: Any) -> Numerics:

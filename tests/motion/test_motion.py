@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.configuration import Configuration
-from lammps_skin.engine import Forces, open_lammps
+from lammps_skin.engine.engine import Forces, open_lammps
 from lammps_skin.errors import SimulationError
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.configuration import Configuration
 
 CORNER = 2 * 24 + 5  # of the lattice of bare-membrane below
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.build import build
-from lammps_skin.configuration import Configuration
-from lammps_skin.engine import open_lammps
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.engine.engine import open_lammps
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.build import build
+from lammps_skin.start.configuration import Configuration
 
 from tests.reliability.conftest import run_script, try_script
 

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.configuration import Configuration
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.configuration import Configuration
 
 SIZE = 1e-4
 

@@ -8,7 +8,7 @@ import json
 import sys
 
 import numpy as np
-from lammps_skin.engine import open_lammps
+from lammps_skin.engine.engine import open_lammps
 
 SCRIPT = """
 units lj

@@ -12,10 +12,10 @@ from unittest import mock
 
 import numpy as np
 import numpy_model
-from lammps_skin import lattice
-from lammps_skin.configuration import Configuration
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start import lattice
+from lammps_skin.start.configuration import Configuration
 from numpy_model import Floats, Ints, Parameters, State
 
 LETTERS = {

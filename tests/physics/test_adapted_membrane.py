@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.configuration import Configuration
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.configuration import Configuration
 
 LINK = {"K": 0.04, "contact": 2.0, "a2": 1.25, "d2": 0.25, "scale": 1.0}
 VALUES = [("bond", name, value) for name, value in LINK.items()] + [("dihedral", "K", 0.5)]

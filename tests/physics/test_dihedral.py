@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from lammps_skin.engine import one_line, open_lammps
+from lammps_skin.engine.engine import one_line, open_lammps
 from model_states import membrane, small_scene
 from numpy_model import Floats, Ints, State, energies_and_forces, named, triangular_lattice
 

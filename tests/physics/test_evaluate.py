@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.evaluate import SHORT, Evaluation, evaluate
 from lammps_skin.kinds import Kind
+from lammps_skin.run.evaluate import SHORT, Evaluation, evaluate
 from model_states import (
     TABLES,
     TERMS,

@@ -7,9 +7,9 @@ from itertools import product
 
 import numpy as np
 import pytest
-from lammps_skin.simulation import Simulation
-from lammps_skin.tables import Table
-from lammps_skin.terms import pair_terms, stretch_table
+from lammps_skin.model.tables import Table
+from lammps_skin.model.terms import pair_terms, stretch_table
+from lammps_skin.run.simulation import Simulation
 from model_states import (
     CELLS,
     SCENES,

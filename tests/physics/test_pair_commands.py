@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.engine import open_lammps
+from lammps_skin.engine.engine import open_lammps
 from numpy_model import Floats
 from test_pair_styles import BOX, gas_script, numbers, stated
 

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from lammps_skin.engine import open_lammps
+from lammps_skin.engine.engine import open_lammps
 from test_pair_styles import BOX
 
 from tests.reliability.conftest import try_script

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.engine import open_lammps
-from lammps_skin.simulation import Simulation
+from lammps_skin.engine.engine import open_lammps
+from lammps_skin.run.simulation import Simulation
 from model_states import SCENES, TERMS, alone, assert_forces, expected, prepared
 from numpy_model import Floats
 from test_forces import ANALYTIC, CASES, FULL, SHAPES, difference_quotients

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from lammps_skin import lattice, parameters, potentials
-from lammps_skin.configuration import Configuration
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
-from lammps_skin.terms import adhesion_stiffness, division_spring
+from lammps_skin.model import parameters, potentials
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.terms import adhesion_stiffness, division_spring
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start import lattice
+from lammps_skin.start.configuration import Configuration
 
 AGE = 3.7  # of the dividing pair
 S, T, X, N = Kind.STEM, Kind.TA, Kind.EXHAUSTED, Kind.ND

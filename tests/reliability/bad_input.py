@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from hypothesis import strategies as st
-from lammps_skin.build import to_toml
-from lammps_skin.engine import one_line, open_lammps
+from lammps_skin.engine.engine import one_line, open_lammps
 from lammps_skin.errors import SkinError
-from lammps_skin.packing import dermal_count
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start.build import to_toml
+from lammps_skin.start.packing import dermal_count
 from pydantic import BaseModel
 
 from tests.cells.test_arguments import ARGUMENTS, SETTING

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin.build import build
-from lammps_skin.configuration import Configuration
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start.build import build
+from lammps_skin.start.configuration import Configuration
 
 from tests.cells.conftest import busy_scene, crowd
 

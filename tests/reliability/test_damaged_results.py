@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from lammps_skin.cli import main
-from lammps_skin.simulation import Simulation
+from lammps_skin.run.simulation import Simulation
 
 from tests.trajectory.conftest import small_scene
 

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from lammps_skin.build import build
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start.build import build
 
 from tests.reliability import bad_input as bad
 from tests.reliability.sandbox import Outcome, Sandbox

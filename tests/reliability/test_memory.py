@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin import memory
-from lammps_skin.engine import one_line, open_lammps
+from lammps_skin.engine.engine import one_line, open_lammps
 from lammps_skin.errors import SimulationError
-from lammps_skin.simulation import Simulation
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start import memory
 
 from tests.cells.conftest import of_kind, read_events
 from tests.reliability.conftest import STATE

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.build import build
-from lammps_skin.configuration import Configuration
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start.build import build
+from lammps_skin.start.configuration import Configuration
 
 from tests.cells.conftest import (
     HEIGHT,

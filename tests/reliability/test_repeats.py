@@ -7,9 +7,9 @@ from pathlib import Path
 import lammps_skin.plugin
 import numpy as np
 import pytest
-from lammps_skin.build import build
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.build import build
 
 from tests.cells.conftest import assert_same_events
 from tests.reliability.conftest import (

@@ -6,8 +6,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from lammps_skin.build import build
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start.build import build
 
 from tests.cells.conftest import assert_same_events, read_events
 from tests.reliability.conftest import (

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from lammps_skin import memory
-from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start import memory
+from lammps_skin.start.configuration import Configuration
 
 from tests.reliability.bad_input import RUN, scene_text
 from tests.reliability.sandbox import Outcome, Sandbox, in_empty_directory, skin

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
 
 from tests.reliability.bad_input import TINY
 from tests.reliability.sandbox import Outcome, Sandbox, in_empty_directory, skin

@@ -4,9 +4,9 @@ import re
 from pathlib import Path
 
 import pytest
-from lammps_skin.observables import observables
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.analysis.observables import observables
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
 
 # a periodic sheet closes on itself, and the dermal force jumps to 0 at its cutoff
 EXPECTED_WARNINGS = (

@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from lammps_skin import lattice
-from lammps_skin.build import build
-from lammps_skin.configuration import Configuration
-from lammps_skin.engine import Cells, Forces
+from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
-from lammps_skin.simulation import Simulation
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start import lattice
+from lammps_skin.start.build import build
+from lammps_skin.start.configuration import Configuration
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.dump import read_dump
 from lammps_skin.trajectory.frame import CELL_STATE, Frame

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin.build import build
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start.build import build
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.dump import Dump, read_dump
 from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, Frame

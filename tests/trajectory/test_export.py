@@ -8,10 +8,10 @@ import subprocess
 import numpy as np
 import pytest
 import pyvista
-from lammps_skin import lattice
 from lammps_skin.analysis.curvature import curvature
 from lammps_skin.cli import main
 from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.start import lattice
 
 from tests.trajectory.conftest import FRAMES, INTERVAL
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Frame
 from lammps_skin.trajectory.readers import SkinReader
 from lammps_skin.trajectory.writer import TrajectoryWriter

@@ -18,11 +18,11 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from lammps_skin.build import build
-from lammps_skin.engine import Cells, Forces
+from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.simulation import Simulation
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.build import build
 from lammps_skin.trajectory import writer as writer_module
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.frame import CELL_STATE

@@ -7,9 +7,10 @@ import shutil
 import MDAnalysis
 import numpy as np
 import pytest
-from lammps_skin import lattice, open_trajectory
+from lammps_skin import open_trajectory
 from lammps_skin.errors import DamagedError, SkinError
 from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.start import lattice
 from lammps_skin.trajectory.frame import CELL_STATE
 
 ORDERS = {

@@ -8,11 +8,11 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from lammps_skin import lattice
 from lammps_skin.cli import main
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start import lattice
 from lammps_skin.trajectory import writer
 from lammps_skin.trajectory import writer as writer_module
 from lammps_skin.trajectory.convert import convert

@@ -28,7 +28,7 @@ from lammps_skin.analysis.papillae import (
 from lammps_skin.analysis.surface import height_field, smooth
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", DeprecationWarning)  # of packages that MDAnalysis imports

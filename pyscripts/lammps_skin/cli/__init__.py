@@ -25,8 +25,8 @@ from lammps_skin.cli.snapshot import snapshot
 from lammps_skin.cli.stability import stability
 from lammps_skin.cli.stats import stats
 from lammps_skin.cli.tradeoff import tradeoff
+from lammps_skin.engine.ranks import check_alone, place_in_world
 from lammps_skin.errors import SkinError, one_line
-from lammps_skin.ranks import check_alone, place_in_world
 
 app = typer.Typer(
     help="Epidermal stem cells on a deformable basement membrane and dermis, on LAMMPS.",

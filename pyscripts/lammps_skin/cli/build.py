@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from lammps_skin.build import build as build_scene
 from lammps_skin.cli.options import (
     Accuracy,
     Parameters,
@@ -18,9 +17,10 @@ from lammps_skin.cli.options import (
     scene_from,
 )
 from lammps_skin.cli.output import console
-from lammps_skin.configuration import Configuration
-from lammps_skin.hold import Hold
 from lammps_skin.kinds import Kind
+from lammps_skin.run.hold import Hold
+from lammps_skin.start.build import build as build_scene
+from lammps_skin.start.configuration import Configuration
 
 
 def build(

@@ -8,8 +8,6 @@ from typing import Annotated
 
 import typer
 
-from lammps_skin import cost, memory
-from lammps_skin.arrangements import place_cells
 from lammps_skin.cli.options import (
     Accuracy,
     Parameters,
@@ -19,14 +17,17 @@ from lammps_skin.cli.options import (
     scene_from,
 )
 from lammps_skin.cli.output import console, duration, print_table
-from lammps_skin.configuration import check_sizes
 from lammps_skin.errors import one_line
 from lammps_skin.kinds import Kind
-from lammps_skin.remarks import remarks
-from lammps_skin.savings import Saving, candidates, measured
-from lammps_skin.scene import Scene
-from lammps_skin.stiffness import longest_timestep, stiffest
-from lammps_skin.terms import TERMS
+from lammps_skin.model.remarks import remarks
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.stiffness import longest_timestep, stiffest
+from lammps_skin.model.terms import TERMS
+from lammps_skin.start import memory
+from lammps_skin.start.arrangements import place_cells
+from lammps_skin.start.configuration import check_sizes
+from lammps_skin.study import cost
+from lammps_skin.study.savings import Saving, candidates, measured
 
 
 def check(

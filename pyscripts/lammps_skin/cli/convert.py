@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from lammps_skin.cli.output import console
-from lammps_skin.hold import Hold
+from lammps_skin.run.hold import Hold
 from lammps_skin.trajectory.convert import convert as convert_directory
 
 

@@ -11,10 +11,10 @@ from lammps_skin.cli.options import Accuracy, Parameters, Settings, scene_from
 from lammps_skin.cli.output import console, duration
 from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError, SkinError
-from lammps_skin.remarks import remarks
+from lammps_skin.model.remarks import remarks
 
 if TYPE_CHECKING:
-    from lammps_skin.ensemble import Member
+    from lammps_skin.study.ensemble import Member
 
 FAILED = 1
 INTERRUPTED = 130
@@ -41,7 +41,7 @@ def ensemble(
     settings: Settings = None,
 ) -> None:
     """Run scenes with many seeds, and store the observables of each run."""
-    from lammps_skin import ensemble as ensembles  # MDAnalysis takes a second to import
+    from lammps_skin.study import ensemble as ensembles
 
     if not scenes and not runs:
         raise SceneError("scene: give at least one, or runs to take in with --from")
@@ -79,7 +79,7 @@ def ensemble(
 
 def run_members(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
     """Run with a progress bar; what failed, by label."""
-    from lammps_skin.ensemble import run_all
+    from lammps_skin.study.ensemble import run_all
 
     seconds = sum(member.seconds for member in todo) / min(jobs, len(todo))
     console.print(f"{len(todo)} to do, {jobs} at a time: about {duration(seconds)} on idle cores")

@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from lammps_skin import evaluate as single_point
 from lammps_skin.cli.options import Parameters, Settings, changes_from
 from lammps_skin.errors import ConfigurationError
 from lammps_skin.files import completed
-from lammps_skin.parameters import DEFAULT
+from lammps_skin.model.parameters import DEFAULT
+from lammps_skin.run import evaluate as single_point
 
 
 def evaluate(

@@ -10,9 +10,9 @@ import numpy as np
 
 from lammps_skin.analysis.coverage import count_by_kind, coverage
 from lammps_skin.cli.progress import Progress
-from lammps_skin.engine import Motion
+from lammps_skin.engine.engine import Motion
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.simulation import Simulation
+from lammps_skin.run.simulation import Simulation
 
 NAMES = {Kind.STEM: "stem", Kind.TA: "TA", Kind.EXHAUSTED: "exhausted", Kind.ND: "ND"}
 # fractions of the particles that move beyond the neighbor lists: what is told of, and what is too

@@ -9,11 +9,11 @@ from typing import Annotated, Any
 
 import typer
 
-from lammps_skin.accuracy import LEVELS
 from lammps_skin.errors import SceneError
-from lammps_skin.keys import shown
-from lammps_skin.results import holds_results
-from lammps_skin.scene import Scene
+from lammps_skin.model.accuracy import LEVELS
+from lammps_skin.model.keys import shown
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.results import holds_results
 
 Source = Annotated[
     str, typer.Argument(metavar="SCENE", help="Name of a built-in scene, or a .toml file.")

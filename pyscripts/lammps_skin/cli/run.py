@@ -9,7 +9,6 @@ from typing import Annotated
 
 import typer
 
-from lammps_skin.build import load_built
 from lammps_skin.cli.journey import Journey
 from lammps_skin.cli.options import (
     Accuracy,
@@ -20,14 +19,15 @@ from lammps_skin.cli.options import (
     scene_from,
 )
 from lammps_skin.cli.output import console
-from lammps_skin.configuration import Configuration
 from lammps_skin.errors import SceneError, SimulationError
-from lammps_skin.hold import Hold
-from lammps_skin.remarks import remarks
-from lammps_skin.results import RESTARTS, replaced_results, restart_files
-from lammps_skin.scene import Scene
-from lammps_skin.scenes import BUILT_IN
-from lammps_skin.simulation import Simulation, check_run, start_time
+from lammps_skin.model.remarks import remarks
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.scenes import BUILT_IN
+from lammps_skin.run.hold import Hold
+from lammps_skin.run.results import RESTARTS, replaced_results, restart_files
+from lammps_skin.run.simulation import Simulation, check_run, start_time
+from lammps_skin.start.build import load_built
+from lammps_skin.start.configuration import Configuration
 
 FILES = {
     "events.csv": "births, ends of divisions, removals",

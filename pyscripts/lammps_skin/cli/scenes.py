@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from lammps_skin.cli.output import console, print_table
-from lammps_skin.parameters import DEFAULT, SUMMARIES
-from lammps_skin.scene import Scene
-from lammps_skin.scenes import BUILT_IN
+from lammps_skin.model.parameters import DEFAULT, SUMMARIES
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.scenes import BUILT_IN
 
 
 def scenes() -> None:

@@ -20,12 +20,12 @@ from lammps_skin.cli.options import (
 from lammps_skin.cli.output import console, print_table
 from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError, SimulationError
-from lammps_skin.keys import near
+from lammps_skin.model.keys import near
 
 if TYPE_CHECKING:
-    from lammps_skin.stability.methods import Method
-    from lammps_skin.stability.report import Row
-    from lammps_skin.stability.trials import Point, Trials
+    from lammps_skin.study.stability.methods import Method
+    from lammps_skin.study.stability.report import Row
+    from lammps_skin.study.stability.trials import Point, Trials
 
 LIMIT = 100.0  # of stiffness, where the scene has none
 
@@ -66,8 +66,8 @@ def stability(
     settings: Settings = None,
 ) -> None:
     """Map the longest stable timesteps, by bisection, beside estimates."""
-    from lammps_skin.stability.methods import SCALED, methods
-    from lammps_skin.stability.trials import points as points_of
+    from lammps_skin.study.stability.methods import SCALED, methods
+    from lammps_skin.study.stability.trials import points as points_of
 
     for name, value, least, most in (
         ("interval", interval, 0.0, 1000.0), ("tolerance", tolerance, 0.0009, 1.0),
@@ -123,7 +123,7 @@ def _factors(text: str) -> list[float]:
 
 def _measure(trials: dict[Point, Trials], found: list[Method], tolerance: float) -> list[Row]:
     """Limits that are missing, with a progress bar."""
-    from lammps_skin.stability.report import row
+    from lammps_skin.study.stability.report import row
 
     rows, total, done = [], len(trials) * len(found), 0
     with Progress(total) as progress:
@@ -148,8 +148,8 @@ def _measure(trials: dict[Point, Trials], found: list[Method], tolerance: float)
 def _show(rows: list[Row], name: str, start: Path | None, interval: float, output: Path) -> None:
     """Print the table, write it and the plot."""
     from lammps_skin.figures.snapshot import save
-    from lammps_skin.stability.plot import draw
-    from lammps_skin.stability.report import rows_table, write
+    from lammps_skin.study.stability.plot import draw
+    from lammps_skin.study.stability.report import rows_table, write
 
     whence = "its start" if start is None else str(start)
     note = f"Runs of {interval:g} time units from {whence}; no step is divided."

@@ -31,7 +31,10 @@ def stats(
     as_json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
 ) -> None:
     """Show the observables of a run: over time, averaged, with events and energies."""
-    from lammps_skin.summary import summary, without_nan  # MDAnalysis takes a second to import
+    from lammps_skin.analysis.summary import (  # MDAnalysis takes a second to import
+        summary,
+        without_nan,
+    )
 
     times = None if window is None else _times(window)
     if as_json:

@@ -20,12 +20,12 @@ from lammps_skin.cli.options import (
 from lammps_skin.cli.output import console, print_table
 from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError
-from lammps_skin.tradeoff.grid import Grid, Variant, variants
+from lammps_skin.study.tradeoff.grid import Grid, Variant, variants
 
 if TYPE_CHECKING:
-    from lammps_skin.tradeoff.bias import Bias, Window
-    from lammps_skin.tradeoff.measure import Laboratory
-    from lammps_skin.tradeoff.report import Report
+    from lammps_skin.study.tradeoff.bias import Bias, Window
+    from lammps_skin.study.tradeoff.measure import Laboratory
+    from lammps_skin.study.tradeoff.report import Report
 
 
 def tradeoff(
@@ -70,7 +70,7 @@ def tradeoff(
     settings: Settings = None,
 ) -> None:
     """Compare choices of numerics: error against time."""
-    from lammps_skin.tradeoff import bias, measure  # MDAnalysis takes a second to import
+    from lammps_skin.study.tradeoff import bias, measure  # MDAnalysis takes a second to import
 
     if not 0 < interval <= 1000:
         raise SceneError(f"--interval {interval:g}: must be above 0 and at most 1000")
@@ -126,7 +126,7 @@ def variant_from(text: str) -> tuple[str, dict[str, Any]]:
 
 def _measure(laboratory: Laboratory, found: list[Variant]) -> None:
     """Trajectories and timings that are missing, with a progress bar in force evaluations."""
-    from lammps_skin.tradeoff.measure import ROUNDS
+    from lammps_skin.study.tradeoff.measure import ROUNDS
 
     trajectories = [
         one for one in (laboratory.finest(), *found) if not laboratory.reached_path(one).exists()
@@ -166,7 +166,7 @@ def _biases(
     found: list[Variant], seeds: list[int], data: Path, windows: list[Window]
 ) -> dict[str, list[Bias]]:
     """Of all variants, the reference apart, that share seeds with it."""
-    from lammps_skin.tradeoff.bias import biases, tables
+    from lammps_skin.study.tradeoff.bias import biases, tables
 
     reference, *others = found
     theirs = tables(reference, seeds, data)
@@ -181,8 +181,8 @@ def _report(
     laboratory: Laboratory, found: list[Variant], start: Path | None, biases: dict[str, list[Bias]]
 ) -> Report:
     """All that has been measured."""
-    from lammps_skin.tradeoff.errors import distance, orders
-    from lammps_skin.tradeoff.report import Report, row
+    from lammps_skin.study.tradeoff.errors import distance, orders
+    from lammps_skin.study.tradeoff.report import Report, row
 
     truth = laboratory.reached(laboratory.finest())
     if truth.problem:
@@ -211,8 +211,8 @@ def _report(
 def _show(report: Report, output: Path, name: str) -> None:
     """Print the tables, write them and the plot."""
     from lammps_skin.figures.snapshot import save
-    from lammps_skin.tradeoff.plot import draw
-    from lammps_skin.tradeoff.report import bias_table, orders_table, rows_table
+    from lammps_skin.study.tradeoff.plot import draw
+    from lammps_skin.study.tradeoff.report import bias_table, orders_table, rows_table
 
     print_table(*rows_table(report.rows))
     if report.orders:

@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lammps_skin.ensemble import over_time
+from lammps_skin.analysis.observables import Table
 from lammps_skin.errors import FigureError
-from lammps_skin.observables import Table
+from lammps_skin.study.ensemble import over_time
 from lammps_skin.style import plain
 
 ORDERS = {"chi_H": "$\\chi_H$", "chi_G": "$\\chi_G$", "zeta": "$\\zeta$", "sigma": "$\\sigma$"}

@@ -8,16 +8,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lammps_skin import potentials
 from lammps_skin.analysis.geometry import Floats
-from lammps_skin.scene import Scene
-from lammps_skin.style import plain
-from lammps_skin.terms import (
+from lammps_skin.model import potentials
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.terms import (
     TERMS,
     adhesion_stiffness,
     division_spring,
     pair_shapes,
 )
+from lammps_skin.style import plain
 
 AGE = 5.0  # of the dividing pair whose spring is shown, time
 POINTS = 601

@@ -13,7 +13,7 @@ import numpy as np
 from lammps_skin.analysis.geometry import Floats, Ints
 from lammps_skin.errors import FigureError
 from lammps_skin.kinds import Kind
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.store import STORE, Store, trajectory_of

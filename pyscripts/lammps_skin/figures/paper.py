@@ -10,14 +10,14 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from lammps_skin.ensemble import Member, member_of, members, with_seed
+from lammps_skin.analysis.observables import Table, load
 from lammps_skin.errors import FigureError, SkinError
 from lammps_skin.figures.courses import ORDERS, TISSUE, draw_courses, draw_stem_and_nd
 from lammps_skin.figures.curves import draw_potentials
 from lammps_skin.figures.gallery import draw_run, draw_scenes
 from lammps_skin.figures.moments import last_time
-from lammps_skin.observables import Table, load
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.study.ensemble import Member, member_of, members, with_seed
 
 ARRANGEMENTS = ("ring", "cluster", "random")
 WITH_ND = ("nd-a", "nd-b", "nd-c", "nd-d")

@@ -15,9 +15,9 @@ from lammps_skin.figures.moments import Moment, Source, read_moments
 from lammps_skin.figures.palette import COLOURS, NAMES
 from lammps_skin.figures.plane import draw_heights, draw_section, highest_stem
 from lammps_skin.figures.scenery import view
-from lammps_skin.keys import near
-from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.files import completed
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.model.keys import near
 from lammps_skin.style import plain
 
 SHOWN = {"stem": (Kind.STEM,), "ta": (Kind.TA, Kind.EXHAUSTED), "nd": (Kind.ND,)}

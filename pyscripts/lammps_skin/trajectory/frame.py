@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_skin.engine import Cells, Forces
+from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.kinds import CELLS
 
 Ints = NDArray[np.int64]

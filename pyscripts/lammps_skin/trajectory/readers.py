@@ -18,7 +18,7 @@ import numpy as np
 
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.attributes import ATTRIBUTES
 from lammps_skin.trajectory.clones import clones
 from lammps_skin.trajectory.dump import FIRST_ITEM, Dump

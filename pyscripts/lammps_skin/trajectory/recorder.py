@@ -9,10 +9,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from lammps_skin.data_file import box_sides
 from lammps_skin.errors import DamagedError, SkinError
 from lammps_skin.files import set_aside
-from lammps_skin.scene import Scene
+from lammps_skin.model.scene import Scene
+from lammps_skin.start.data_file import box_sides
 from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.dump import Dump

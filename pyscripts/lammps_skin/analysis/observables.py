@@ -1,0 +1,171 @@
+"""One table of observables for a trajectory: a row for every frame, a column for each observable.
+
+The columns (see docs/analysis.md): numbers of cells, what has happened to them, how much of the
+membrane they cover, its height, its papillae, the cells on their tips, the order parameters of
+stem and of ND cells. What is not defined in a frame is NaN.
+"""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_skin.analysis.coverage import count_by_kind
+from lammps_skin.analysis.lineage import Events, read_events
+from lammps_skin.analysis.state import State, StateAnalysis, scene_and_triangles
+from lammps_skin.errors import MembraneError, SkinError
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.model.scene import Scene
+from lammps_skin.trajectory.universe import open_trajectory
+
+Table = NDArray[np.void]
+
+VERSION = 2  # to be raised when a column changes or means something else
+ORDERS = ("chi_H", "chi_G", "zeta", "sigma")
+TIPS = ("on_tips", "tips_expected", "tips_sd", "tips_z", "tips_p")
+FRACTIONS = (
+    "coverage", "stem_on_tips", "stem_tips_expected", "nd_on_tips", "nd_tips_expected",
+)  # fmt: skip
+COLUMNS = (
+    "time", *(kind.label for kind in CELLS), "births", "deaths", "coverage",
+    "height", "height_std", "skewness", "skewness_low", "skewness_high",
+    "papillae", "papilla_height", "papilla_width", "papilla_spacing",
+    *(f"{kind}_{name}" for kind in ("stem", "nd") for name in TIPS),
+    *ORDERS, *(f"{name}_nd" for name in ORDERS),
+)  # fmt: skip
+
+
+class Observables(StateAnalysis):
+    """All columns of the table, for the frames of a trajectory.
+
+    ``results.table`` (f,) is a structured array with the fields `COLUMNS`, all float64;
+    ``results`` also has each column (f,) by its name.
+
+    Parameters
+    ----------
+    universe : Universe
+        From `open_trajectory`.
+    events : Events, optional
+        Of the same run, for births and deaths; NaN without.
+
+    Examples
+    --------
+    >>> with open_run("runs/one-stem") as run:
+    ...     table = Observables(run.universe, run.events).run().results.table
+    >>> table["time"], table["zeta"]
+    """
+
+    columns = COLUMNS[1:]
+
+    def __init__(self, universe: Any, events: Events | None = None, **options: Any) -> None:
+        super().__init__(universe, **options)
+        self._logged = [events.of(kind).time for kind in ("birth", "death")] if events else []
+
+    def _measure(self, state: State) -> tuple[float, ...]:
+        until = state.time * (1 + 1e-9)  # times in the log have ten digits
+        happened = [np.searchsorted(times, until, side="right") for times in self._logged]
+        z = state.membrane[:, 2]
+        return (
+            *count_by_kind(state.kinds).values(),
+            *(happened or (np.nan, np.nan)),
+            state.coverage,
+            z.mean(), (z - z[0]).std(), *_relief(state),  # 0 of what is flat
+            *state.order(Kind.STEM), *state.order(Kind.ND),
+        )  # fmt: skip
+
+    def _conclude(self) -> None:
+        super()._conclude()
+        rows = [tuple(map(float, row)) for row in self._rows]
+        self.results.table = np.array(rows, [(name, float) for name in COLUMNS])
+
+
+def _relief(state: State) -> tuple[float, ...]:
+    """Columns from the skewness to the tips; NaN where the membrane is no sheet over the box."""
+    try:
+        return (
+            *state.skewness(), len(state.papillae.height), *state.papilla_means(),
+            *state.tips(Kind.STEM), *state.tips(Kind.ND),
+        )  # fmt: skip
+    except MembraneError:
+        return (np.nan,) * (COLUMNS.index(f"nd_{TIPS[-1]}") - COLUMNS.index("skewness") + 1)
+
+
+# ---- runs on disk
+
+
+class Run(NamedTuple):
+    """A run on disk: its scene, the universe of its trajectory, its events if it has a log."""
+
+    scene: Scene
+    universe: Any
+    events: Events | None
+
+
+@contextmanager
+def open_run(path: str | Path) -> Iterator[Run]:
+    """Open a run directory, or a trajectory with the event log beside it.
+
+    Raises
+    ------
+    SkinError
+        If there is no trajectory, or if it is none.
+    """
+    path = Path(path)
+    log = (path if path.is_dir() else path.parent) / "events.csv"
+    universe = open_trajectory(path)
+    try:
+        scene, _ = scene_and_triangles(universe)
+        yield Run(scene, universe, read_events(log) if log.exists() else None)
+    finally:
+        universe.trajectory.close()
+
+
+def observables(path: str | Path) -> Table:
+    """Table of observables of a run directory or a trajectory."""
+    with open_run(path) as run:
+        table: Table = Observables(run.universe, run.events).run().results.table
+    return table
+
+
+# ---- tables on disk
+
+
+def save(table: Table, path: Path, comments: Iterable[str] = ()) -> None:
+    """Write a table as CSV, packed if the name ends in .gz; the same table gives the same bytes.
+
+    Numbers have 7 digits. A file that is there is replaced when the new one is complete.
+    """
+    names = table.dtype.names or ()
+    lines = [f"# {comment}" for comment in comments]
+    lines += [",".join(names), *(",".join(f"{x:.7g}" for x in row) for row in table.tolist())]
+    content = ("\n".join(lines) + "\n").encode()
+    if path.suffix == ".gz":
+        content = gzip.compress(content, mtime=0)
+    part = path.with_name(path.name + ".part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part.write_bytes(content)
+        part.replace(path)
+    except OSError as error:
+        raise SkinError(f"table {path}: {error.strerror}") from None
+
+
+def load(path: str | Path) -> Table:
+    """Structured array of a table that `save` has written."""
+    path = Path(path)
+    try:
+        content = path.read_bytes()
+        text = (gzip.decompress(content) if path.suffix == ".gz" else content).decode()
+        names, *rows = (line for line in text.splitlines() if not line.startswith("#"))
+        values = [tuple(map(float, row.split(","))) for row in rows]
+        return np.array(values, [(name, float) for name in names.split(",")])
+    except OSError as error:
+        raise SkinError(f"table {path}: {error.strerror or error}") from None
+    except (ValueError, EOFError):
+        raise SkinError(f"table {path}: is no table of observables") from None

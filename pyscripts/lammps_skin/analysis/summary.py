@@ -1,0 +1,174 @@
+"""What a run has come to, as plain data: all that `skin stats` tells."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lammps_skin.analysis.energies import read_energies
+from lammps_skin.analysis.geometry import Ints
+from lammps_skin.analysis.lineage import Events, clone_sizes, turnover
+from lammps_skin.analysis.observables import FRACTIONS, Observables, Run, Table, open_run
+from lammps_skin.analysis.series import CloneMixing
+from lammps_skin.analysis.state import State, StateAnalysis
+from lammps_skin.analysis.statistics import mean_in_time
+from lammps_skin.errors import SkinError
+from lammps_skin.kinds import Kind
+
+LATE = 0.6  # of the time that a trajectory covers: where its late window begins
+CUMULATIVE = ("time", "births", "deaths")
+Window = tuple[float, float]
+
+
+def summary(path: str | Path, window: Window | None = None) -> dict[str, Any]:
+    """Summary of a run on disk.
+
+    Parameters
+    ----------
+    path : path
+        Run directory, or trajectory in HDF5.
+    window : (start, end), optional
+        Times over which to average; the last two fifths if not given.
+
+    Returns
+    -------
+    dict
+        ``run``: what was run and how far. ``observables``: list over frames for each column.
+        ``window``: its times, frames, and the mean of each column with error and 95 % interval,
+        see `statistics.mean_in_time`. ``events``: births, removals by cause, clones, mixing;
+        None without an event log. ``energies``: of each term at the start, at the end and its
+        mean in the window; None without a log. Undefined values are NaN.
+
+    Raises
+    ------
+    SkinError
+        If there is no trajectory, or no frame in the window.
+    """
+    path = Path(path)
+    with open_run(path) as run:
+        table: Table = Observables(run.universe, run.events).run().results.table
+        times = table["time"]
+        start, end = window or (times[0] + LATE * (times[-1] - times[0]), times[-1])
+        inside = (times >= start) & (times <= end)
+        if not inside.any():
+            raise SkinError(
+                f"window = {start:g}-{end:g}: holds no frame of {path}; its frames are from "
+                f"{times[0]:g} to {times[-1]:g}"
+            )
+        events = None if run.events is None else _events(run, run.events, (start, end))
+    return {
+        "run": {
+            "path": str(path),
+            "scene": run.scene.name,
+            "parameters": run.scene.parameters,
+            "seed": run.scene.seed,
+            "cell_seed": run.scene.cell_seed,
+            "dermis_seed": run.scene.dermis_seed,
+            "frames": len(table),
+            "from": float(times[0]),
+            "to": float(times[-1]),
+            "end_time": run.scene.end_time,
+        },
+        "observables": {name: table[name].tolist() for name in table.dtype.names or ()},
+        "window": {
+            "start": float(start),
+            "end": float(end),
+            "frames": int(inside.sum()),
+            "means": {
+                name: mean_in_time(table[name][inside], fraction=name in FRACTIONS)._asdict()
+                for name in table.dtype.names or ()
+                if name not in CUMULATIVE
+            },
+        },
+        "events": events,
+        "energies": _energies(path if path.is_dir() else path.parent, (start, end)),
+    }
+
+
+def without_nan(value: Any) -> Any:
+    """The same data with None for what is not finite, as JSON wants it."""
+    if isinstance(value, dict):
+        return {key: without_nan(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [without_nan(inner) for inner in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+class _Cells(StateAnalysis):
+    """``rows``: time, ids and kinds of the cells of each frame."""
+
+    def _measure(self, state: State) -> tuple[Any, ...]:
+        return state.ids, state.kinds
+
+    def _conclude(self) -> None:
+        self.rows = self._rows
+
+
+def _events(run: Run, events: Events, window: Window) -> dict[str, Any]:
+    """Births and removals up to the last frame, their rates in the window, clones, mixing.
+
+    Raises `SkinError` if they are not those of the trajectory.
+    """
+    last = len(run.universe.trajectory) - 1
+    cells = _Cells(run.universe).run(frames=[0, last])
+    (start, founders, kinds), (end, living, _) = cells.rows
+    events = Events(*(column[events.time <= end] for column in events))
+    births, deaths = events.of("birth"), events.of("death")
+    try:
+        mixing = CloneMixing(run.universe, events).run(start=last).results.mixing
+        clones = [] if start else _clones(events, founders, kinds, end)
+    except ValueError as error:
+        raise SkinError(f"events.csv does not go with the trajectory: {error}") from None
+    return {
+        "births": len(births.id),
+        "removals": len(deaths.id),
+        "removals_by_cause": dict(Counter(deaths.cause.tolist())),
+        "births_per_time": _rate(births, window),
+        "removals_per_time": _rate(deaths, window),
+        "cells": len(living),
+        "clones": clones,
+        "mixing": float(mixing[-1]),
+    }
+
+
+def _clones(events: Events, founders: Ints, kinds: Ints, end: float) -> list[dict[str, Any]]:
+    """Founder, births, removals and size at the end of each clone, the largest first."""
+    happened = turnover(events, founders, [0.0, max(end, 1.0)])
+    sizes = clone_sizes(events, founders, [end])[0]
+    columns = {
+        "founder": founders.tolist(),
+        "kind": [Kind(kind).label for kind in kinds.tolist()],
+        "births": happened.births[0].tolist(),
+        "removals": happened.removals[0].tolist(),
+        "size": sizes.tolist(),
+    }
+    largest_first = np.argsort(-sizes, kind="stable").tolist()
+    return [{name: column[n] for name, column in columns.items()} for n in largest_first]
+
+
+def _rate(events: Events, window: Window) -> float:
+    """Events per time unit of the window; NaN for a window of one moment."""
+    start, end = window
+    number = int(((events.time > start) & (events.time <= end)).sum())
+    return number / (end - start) if end > start else math.nan
+
+
+def _energies(directory: Path, window: Window) -> dict[str, Any] | None:
+    log = directory / "log.lammps"
+    if not log.exists():
+        return None
+    found = read_energies(log)
+    inside = (found["time"] >= window[0]) & (found["time"] <= window[1])
+    return {
+        name: {
+            "first": float(values[0]),
+            "last": float(values[-1]),
+            "mean": float(values[inside].mean()) if inside.any() else math.nan,
+        }
+        for name, values in found.items()
+        if name != "time"
+    }

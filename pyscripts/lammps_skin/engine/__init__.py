@@ -1,0 +1,1 @@
+"""LAMMPS, in this process or on several MPI ranks."""

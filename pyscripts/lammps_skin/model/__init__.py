@@ -1,0 +1,1 @@
+"""What is simulated: the potentials, the parameter sets, the scene and its numerics."""

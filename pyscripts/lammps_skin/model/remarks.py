@@ -1,0 +1,44 @@
+"""What there is to say of a scene before it is run: of its timestep, and what does not fit it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from lammps_skin.model.accuracy import fits, longest_timestep
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.stiffness import warning
+
+
+def remarks(scene: Scene) -> Iterator[str]:
+    """Lines: a timestep that is shorter for an interval, times that are no whole number of steps,
+    and a timestep that cannot be stable."""
+    numerics = scene.numerics
+    timestep, cells = numerics.timestep, scene.cells
+    cycle = cells.cycle_delay + 1 / cells.cycle_rate
+    longest = longest_timestep(numerics.accuracy, numerics.integrator, cycle)
+    given = "timestep" in scene.given().get("numerics", {})
+    if longest and timestep < longest and not given:
+        keys = [f"{key} = {time:g}" for key, time in _times(scene) if not fits(time, longest)]
+        yield (
+            f"numerics.timestep = {timestep:g} instead of {longest:g}, which does not fit "
+            f"{' and '.join(keys)}: {longest / timestep:.3g} times as many steps; multiples of "
+            f"{longest:g} fit"
+        )
+    for key, time in _times(scene):
+        if not fits(time, timestep):
+            steps = round(time / timestep) if key == "end_time" else math.ceil(time / timestep)
+            yield (
+                f"{key} = {time:g}: is no whole number of steps of {timestep:g}, and becomes "
+                f"{max(steps, 1) * timestep:.9g}"
+            )
+    if unstable := warning(scene):
+        yield unstable
+
+
+def _times(scene: Scene) -> Iterator[tuple[str, float]]:
+    """The end and the intervals of output, by key; not those that are never."""
+    yield "end_time", scene.end_time
+    for key, interval in scene.output.model_dump().items():
+        if interval:
+            yield f"output.{key}", interval

@@ -1,0 +1,69 @@
+"""The built-in scenes: what each gives, on top of the defaults of `lammps_skin.model.scene`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+# lattice and number of stem cells: the same density of stem cells in both sizes
+SIZES: dict[str, dict[str, Any]] = {
+    "quarter": {"lattice": [100, 114], "stem": 16, "words": "a quarter of the paper's scene"},
+    "paper": {"lattice": [200, 230], "stem": 64, "words": "the paper's scene"},
+}
+
+# arrangement, with ND cells or without, what it looks like
+ARRANGEMENTS: dict[str, tuple[str, bool, str]] = {
+    "ring": ("ring", False, "stem cells on a ring"),
+    "cluster": ("cluster", False, "stem cells in a cluster"),
+    "random": ("random", False, "stem cells at random"),
+    "nd-a": ("random", True, "stem and ND cells at random"),
+    "nd-b": ("core", True, "ND cells in a cluster, stem cells on a ring around it"),
+    "nd-c": ("alternating", True, "stem and ND cells alternating on a ring"),
+    "nd-d": ("halves", True, "stem cells clustered in one half, ND cells in the other"),
+}
+
+
+def _arranged(size: str, name: str) -> dict[str, Any]:
+    arrangement, with_nd, words = ARRANGEMENTS[name]
+    stem = SIZES[size]["stem"]
+    return {
+        "description": f"{SIZES[size]['words']}: {words}",
+        "membrane": {"lattice": SIZES[size]["lattice"]},
+        "cells": {"stem": stem, "nd": stem if with_nd else 0, "arrangement": arrangement},
+    }
+
+
+BUILT_IN: dict[str, dict[str, Any]] = {
+    "demo": {
+        "description": "a small patch of skin, from a few stem cells to crowding and removal",
+        "end_time": 320.0,
+        "membrane": {"lattice": [40, 46]},
+        "cells": {"stem": 6, "arrangement": "ring"},
+    },
+    **{f"{size}-{name}": _arranged(size, name) for size in SIZES for name in ARRANGEMENTS},
+    "bare-membrane": {
+        "description": "the membrane alone, roughened, relaxing to a flat sheet",
+        "end_time": 50.0,
+        "dermis": {"present": False},
+        "membrane": {"lattice": [40, 46], "noise": 0.05},
+    },
+    "no-dermis": {
+        "description": "cells on a free membrane, without a dermis below",
+        "end_time": 200.0,
+        "dermis": {"present": False},
+        "membrane": {"lattice": [40, 46]},
+        "cells": {"stem": 6, "arrangement": "ring"},
+    },
+    "two-cells": {
+        "description": "two stem cells side by side on a free membrane",
+        "end_time": 100.0,
+        "dermis": {"present": False},
+        "membrane": {"lattice": [24, 28]},
+        "cells": {"stem": 2, "arrangement": "cluster"},
+    },
+    "one-stem": {
+        "description": "one stem cell and its lineage on a membrane over a dermis",
+        "end_time": 200.0,
+        "membrane": {"lattice": [24, 28]},
+        "cells": {"stem": 1, "arrangement": "cluster"},
+    },
+}

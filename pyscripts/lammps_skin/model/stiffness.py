@@ -1,0 +1,97 @@
+"""What is stiffest in a scene, and the longest timestep that is stable with it, beforehand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from lammps_skin.model.accuracy import reach
+from lammps_skin.model.potentials import stretch_slope
+from lammps_skin.model.scene import Membrane, Scene
+from lammps_skin.model.terms import adhesion_stiffness, division_spring
+
+FOLDED = 180.0  # largest eigenvalue of a crowded membrane with the default stiffnesses
+STEP = 1e-4  # of a difference quotient, relative
+
+
+class Stiffest(NamedTuple):
+    """The stiffest motion: what it is, and the largest eigenvalue of the second derivatives."""
+
+    name: str
+    eigenvalue: float
+
+
+def stiffest(scene: Scene) -> Stiffest:
+    """The stiffest of what a scene is sure to come to.
+
+    Two particles that are bound by a spring k alone have the eigenvalue 2 k, a triangular network
+    of them 6 k. Folds of a membrane under cells are stiffer by far. Crowds, where several springs
+    pull at one particle, may be stiffer than this. Sizes of which there are no squares have nothing
+    that is stiff.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            return max(_motions(scene), key=lambda one: one.eigenvalue)
+    except ArithmeticError:
+        return Stiffest("nothing", 0.0)
+
+
+def _motions(scene: Scene) -> Iterator[Stiffest]:
+    cells, membrane = scene.cells, scene.membrane
+    limit = scene.numerics.stiffness_limit or math.inf
+    yield Stiffest("links of the membrane", min(6 * _link(scene), limit))
+    if scene.has_cells:
+        adhesion, binding = (k / scene.contact**2 for k in adhesion_stiffness(scene))
+        yield Stiffest("binding", 2 * binding)
+    if cells.stem:
+        yield Stiffest("adhesion", 2 * adhesion)
+        yield Stiffest("division springs", 2 * division_spring(scene)[0])
+        yield Stiffest("folds of the membrane", min(FOLDED * _relative(membrane), limit))
+
+
+def _link(scene: Scene) -> float:
+    """Second derivative of stretch at rest, the mean of those on both sides."""
+    membrane, contact = scene.membrane, 2 * scene.membrane.radius
+    rest = membrane.spacing_ratio
+    scale = contact if scene.force_scale == "direct" else 1.0
+    around = rest * np.array([1 - STEP, 1 + STEP])
+    slopes = stretch_slope(around, membrane.elasticity, rest, scale)
+    return float(membrane.stretch_stiffness * np.ptp(slopes) / (2 * STEP * rest) / contact**2)
+
+
+def _relative(membrane: Membrane) -> float:
+    """Stiffness of a membrane over the default one."""
+    usual = Membrane()
+    return max(
+        membrane.bending_stiffness / usual.bending_stiffness,
+        membrane.stretch_stiffness / usual.stretch_stiffness,
+    )
+
+
+def longest_timestep(scene: Scene) -> float:
+    """The longest timestep that can be stable with the scene's integrator, without dividing it."""
+    eigenvalue = stiffest(scene).eigenvalue
+    stable = reach(scene.numerics.integrator, scene.numerics.stages)
+    return stable / eigenvalue if eigenvalue else math.inf
+
+
+def warning(scene: Scene) -> str:
+    """What there is to say of the scene's timestep; nothing if it may be stable."""
+    longest, timestep = longest_timestep(scene), scene.numerics.timestep
+    if not timestep > longest:
+        return ""
+    numerics = scene.numerics
+    method = str(numerics.integrator)
+    if method != "euler":
+        method += f" with {numerics.stages} stages"
+    name, eigenvalue = stiffest(scene)
+    outcome = (
+        "steps will be divided" if numerics.largest_move else "the run is likely to end in an error"
+    )
+    return (
+        f"numerics.timestep = {timestep:g}: {method} is stable up to {longest:.3g} with {name} "
+        f"(stiffness {eigenvalue:.3g}); beyond, {outcome}"
+    )

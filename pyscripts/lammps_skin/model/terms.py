@@ -1,0 +1,253 @@
+"""The terms of the model as LAMMPS styles: which style, which coefficients, which table.
+
+A term whose shape is Lennard-Jones is exactly ``pair_style lj/cut``: K phi(d/D) is
+4 epsilon ((sigma/d)^12 - (sigma/d)^6) with epsilon = K/12 and sigma = D/2^(1/6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.model import potentials
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.tables import Table, bond_grid, pair_grid
+
+Floats = NDArray[np.float64]
+
+TERMS = (
+    "dermis_dermis",
+    "dermis_membrane",
+    "wall",
+    "stretch",
+    "bend",
+    "membrane_exclusion",
+    "cell_membrane_exclusion",
+    "adhesion",
+    "binding",
+    "cell_cell_exclusion",
+    "cell_cell_adhesion",
+    "division",
+)
+"""Names of all terms of the model."""
+
+PAIRS = {
+    "dermis_dermis": "dermal_dermal",
+    "dermis_membrane": "dermal_membrane",
+    "membrane_exclusion": "membrane_membrane",
+    "cell_membrane_exclusion": "membrane_cell",
+    "cell_cell_exclusion": "cell_cell",
+    "cell_cell_adhesion": "cell_cell",
+}
+"""Between which particles the pair terms are."""
+
+
+@dataclass(frozen=True)
+class StyledTerm:
+    """A term as a LAMMPS style with its settings, its coefficients, and its table if it has one."""
+
+    name: str
+    style: str
+    coefficients: str
+    cutoff: float = 0.0
+    table: Table | None = None
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A pair potential K u(d/D), its range in contact lengths, and where its table begins.
+
+    `own` is its style in the plugin, `more` what that wants to know besides K, D and the range.
+    """
+
+    name: str
+    stiffness: float
+    contact: float
+    range: float
+    energy: Callable[[Floats], Floats]
+    slope: Callable[[Floats], Floats]
+    inner: float
+    own: str = "skin/lj"
+    more: tuple[float, ...] = ()
+
+    @property
+    def lennard_jones(self) -> bool:
+        """Whether it is exactly a stock ``lj/cut``."""
+        return self.own == "skin/lj"
+
+    def table(self, points: int) -> Table:
+        # the last point is inside the range: what jumps to 0 there keeps its limit from within
+        inside = np.nextafter(self.range, 0.0)
+
+        def energy(r: Floats) -> Floats:
+            return self.stiffness * self.energy(np.minimum(r / self.contact, inside))
+
+        def force(r: Floats) -> Floats:
+            slope = self.slope(np.minimum(r / self.contact, inside))
+            return -self.stiffness * slope / self.contact
+
+        grid = pair_grid(self.contact, self.inner, self.range, points)
+        return Table(self.name.upper(), energy, force, grid, squared=True)
+
+
+def lennard_jones(stiffness: float, contact: float, cutoff: float) -> str:
+    """Coefficients epsilon, sigma and cutoff of K phi(d/D)."""
+    return f"{stiffness / 12!r} {contact / 2 ** (1 / 6)!r} {cutoff!r}"
+
+
+def pair_shapes(scene: Scene) -> list[Shape]:
+    """The pair terms that this scene has."""
+    dermis, membrane, cells = scene.dermis, scene.membrane, scene.cells
+    ex, ex_slope = potentials.exclusion, potentials.exclusion_slope
+    shapes = [
+        Shape(
+            "membrane_exclusion", membrane.exclusion_stiffness, scene.spacing, 1.0,
+            ex, ex_slope, 0.3,
+        )
+    ]  # fmt: skip
+    if dermis.present:
+        reach, a1, d1 = dermis.attraction_range, dermis.softening, dermis.softening_onset
+        shapes += [
+            Shape(
+                "dermis_membrane", dermis.membrane_stiffness, membrane.radius + dermis.radius,
+                reach, lambda x: potentials.truncated(x, reach),
+                lambda x: potentials.truncated_slope(x, reach), 0.3,
+            ),
+            Shape(
+                "dermis_dermis", dermis.stiffness, 2 * dermis.radius, reach,
+                lambda x: potentials.dermis(x, reach, a1, d1),
+                lambda x: potentials.dermis_slope(x, reach, a1, d1), 0.1, "skin/dermis", (a1, d1),
+            ),
+        ]  # fmt: skip
+    if scene.has_cells:
+        lam = cells.adhesion_range
+        scale = 2 * cells.radius if scene.force_scale == "direct" else 1.0
+        shapes += [
+            Shape(
+                "cell_membrane_exclusion", cells.membrane_exclusion_stiffness, scene.contact, 1.0,
+                ex, ex_slope, 0.3,
+            ),
+            Shape(
+                "cell_cell_exclusion", cells.exclusion_stiffness, 2 * cells.radius, 1.0,
+                ex, ex_slope, 0.3,
+            ),
+            Shape(
+                "cell_cell_adhesion", cells.cell_adhesion_stiffness * scale, 2 * cells.radius, lam,
+                lambda x: potentials.shifted_adhesion(x, lam),
+                lambda x: potentials.adhesion_slope(x, lam), 0.02, "skin/adhesion",
+            ),
+        ]  # fmt: skip
+    return shapes
+
+
+def pair_terms(scene: Scene) -> list[StyledTerm]:
+    """The sub-styles of ``pair_style hybrid/overlay`` and their coefficients, in order."""
+    numerics = scene.numerics
+    terms = []
+    for shape in pair_shapes(scene):
+        cutoff = shape.contact * shape.range
+        if numerics.pair_form == "skin":
+            values = shape.stiffness, shape.contact, *shape.more, shape.range
+            terms.append(StyledTerm(shape.name, shape.own, " ".join(map(repr, values)), cutoff))
+            continue
+        if shape.lennard_jones and numerics.pair_form == "analytic":
+            coefficients = lennard_jones(shape.stiffness, shape.contact, cutoff)
+            terms.append(StyledTerm(shape.name, f"lj/cut {cutoff!r}", coefficients, cutoff, None))
+            continue
+        table = shape.table(numerics.table_points)
+        style = f"table {numerics.table_style} {len(table.distances)}"
+        coefficients = f"{shape.name}.table {table.keyword} {cutoff!r}"
+        terms.append(StyledTerm(shape.name, style, coefficients, cutoff, table))
+    return terms
+
+
+def cores(scene: Scene) -> dict[str, str]:
+    """Style and coefficients by which stock pair styles are watched, for pairs of particles.
+
+    Empty where there is nothing to watch: the pair styles of the plugin know their cores. Fix
+    skin/cells watches cells and the membrane, but not before a table has come to its end.
+    """
+    form = scene.numerics.pair_form
+    if form == "skin":
+        return {}
+    shapes = pair_shapes(scene)
+    found = {PAIRS[shape.name]: "none" for shape in shapes}
+    for shape in shapes:  # exclusion comes before adhesion
+        pair = PAIRS[shape.name]
+        if shape.name == "cell_membrane_exclusion" and form == "analytic":
+            continue
+        if shape.stiffness and found[pair] == "none":
+            tables = (
+                one.inner for one in shapes
+                if PAIRS[one.name] == pair and not (one.lennard_jones and form == "analytic")
+            )  # fmt: skip
+            first = max(tables, default=0.0)
+            found[pair] = f"skin/core {shape.inner!r} {shape.contact!r} {first!r}"
+    return found if set(found.values()) != {"none"} else {}
+
+
+def wall_coefficients(scene: Scene) -> str:
+    """Coefficients of ``fix wall/lj126``: exclusion in x = z / R_d."""
+    radius = scene.dermis.radius
+    return lennard_jones(scene.dermis.wall_stiffness, radius, radius)
+
+
+def stretch_table(scene: Scene) -> Table:
+    """Table of the membrane links, up to just below their singular length."""
+    membrane = scene.membrane
+    contact, d2 = 2 * membrane.radius, membrane.spacing_ratio
+    scale = contact if scene.force_scale == "direct" else 1.0
+
+    def energy(r: Floats) -> Floats:
+        u = potentials.stretch(r / contact, membrane.elasticity, d2, scale)
+        return membrane.stretch_stiffness * u
+
+    def force(r: Floats) -> Floats:
+        slope = potentials.stretch_slope(r / contact, membrane.elasticity, d2, scale)
+        return -membrane.stretch_stiffness * slope / contact
+
+    singular = contact * (1 + d2)
+    grid = bond_grid(0.2 * d2 * contact, d2 * contact, singular - 0.2 * d2 * contact,
+                     scene.numerics.table_points)  # fmt: skip
+    return Table("STRETCH", energy, force, grid, squared=False)
+
+
+def stretch_term(scene: Scene) -> StyledTerm:
+    """``bond_style skin/stretch``, or ``bond_style table`` where the scene wants tables."""
+    numerics, membrane = scene.numerics, scene.membrane
+    if numerics.pair_form == "table":
+        table = stretch_table(scene)
+        style = f"table {numerics.table_style} {len(table.distances)}"
+        return StyledTerm("stretch", style, f"stretch.table {table.keyword}", table=table)
+    contact = 2 * membrane.radius
+    scale = contact if scene.force_scale == "direct" else 1.0
+    coefficients = (
+        f"{membrane.stretch_stiffness!r} {contact!r} {membrane.elasticity!r} "
+        f"{membrane.spacing_ratio!r} {scale!r}"
+    )
+    return StyledTerm("stretch", "skin/stretch", coefficients)
+
+
+def adhesion_stiffness(scene: Scene) -> tuple[float, float]:
+    """K of adhesion and of binding: with direct forces times the contact length."""
+    scale = scene.contact if scene.force_scale == "direct" else 1.0
+    return scene.cells.adhesion_stiffness * scale, scene.cells.binding_stiffness * scale
+
+
+def division_spring(scene: Scene) -> tuple[float, float, float, float]:
+    """Stiffness, first length, growth rate and last length of the division spring."""
+    cells = scene.cells
+    end = 2 * cells.radius
+    if cells.division_spring == "length":
+        start = 2 * cells.division_separation * cells.radius
+        return cells.division_stiffness, start, cells.division_rate, end
+    return cells.division_stiffness / end**2, 0.0, cells.division_rate * end, end
+
+
+def cell_kinds(scene: Scene) -> list[Kind]:
+    """Kinds of cells of this scene."""
+    return [kind for kind in scene.kinds if kind in CELLS]

@@ -1,0 +1,368 @@
+"""A scene in LAMMPS, driven from Python."""
+
+from __future__ import annotations
+
+import errno
+import os
+import tempfile
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from lammps_skin.engine.engine import FIX_TERMS, Cells, Engine, Floats, Forces, Ints, Motion
+from lammps_skin.engine.ranks import RankedEngine, check_alone
+from lammps_skin.errors import SceneError, SimulationError, SkinError
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.stiffness import longest_timestep
+from lammps_skin.model.terms import pair_terms
+from lammps_skin.run.checkpoints import PART, Checkpoints, find_resumption
+from lammps_skin.run.hold import Hold
+from lammps_skin.run.interruption import Interruption
+from lammps_skin.run.results import holds_results
+from lammps_skin.start.build import build, load_built
+from lammps_skin.start.configuration import Configuration
+from lammps_skin.start.data_file import check_data
+from lammps_skin.start.memory import check_ranks
+from lammps_skin.trajectory.recorder import Recorder, set_aside_if_damaged
+
+# of errors that a shorter timestep can prevent: of our styles, and of LAMMPS
+UNSTABLE = (
+    "smaller timestep", "Lost atoms", "atoms missing", "missing on proc", "Out of range atoms",
+    "Non-numeric", "NaN", "inner cutoff", "outer cutoff", "Bond length", "half of periodic box",
+    "moved too far", "Atom coords",
+)  # fmt: skip
+Progress = Callable[[float, Any], None]
+
+
+class Simulation:
+    """A run of a scene; a context manager that closes LAMMPS.
+
+    Parameters
+    ----------
+    scene : Scene, str, Path or None
+        What to simulate, or the name or file of it. None takes the scene that was already
+        built in `directory`, as it is.
+    directory : path, optional
+        Where inputs and output go; a temporary folder, removed at the end, if not given.
+    configuration : Configuration, optional
+        Initial state; built from the scene if not given.
+    ranks, threads : int
+        MPI ranks, and OpenMP threads of each.
+    variables : mapping, optional
+        Overrides of variables of scene.in, as ``-var`` on the command line.
+    replace : bool
+        Whether the results of an earlier run in `directory` may be replaced.
+    held : Hold, optional
+        The directory, if it is held already; it is the caller's to close.
+
+    Attributes
+    ----------
+    scene : Scene
+    directory : Path
+    notes : list of str
+        What was found to be damaged, after `resume`.
+    sound : bool
+        Whether LAMMPS can go on; not after an error of a run.
+
+    Raises
+    ------
+    SceneError, ConfigurationError
+        For what cannot be built.
+    SimulationError
+        When LAMMPS stops, another process runs in the directory, or it holds results of a run.
+
+    Examples
+    --------
+    >>> with Simulation("two-cells") as simulation:
+    ...     simulation.run(until=10.0)
+    ...     adhesion = simulation.energies()["adhesion"]
+    """
+
+    def __init__(
+        self,
+        scene: Scene | str | Path | None = None,
+        directory: str | Path | None = None,
+        configuration: Configuration | None = None,
+        ranks: int = 1,
+        threads: int = 1,
+        variables: Mapping[str, Any] | None = None,
+        replace: bool = False,
+        held: Hold | None = None,
+    ) -> None:
+        if isinstance(scene, (str, Path)):
+            scene = Scene.load(scene)
+        variables = dict(variables or {})
+        self._temporary = not directory
+        with ExitStack() as resources:  # to be closed if the simulation cannot begin
+            if not directory:
+                directory = resources.enter_context(tempfile.TemporaryDirectory(prefix="skin-"))
+            self.directory = Path(directory).resolve()
+            check_run(self.directory, ranks, threads)
+            held = held or resources.enter_context(Hold(self.directory, make=scene is not None))
+            begins = "restart" not in variables
+            if begins and not replace and holds_results(self.directory):
+                raise SimulationError(
+                    f"directory {self.directory}: holds results of a run; Simulation.resume goes "
+                    "on with it, replace=True replaces them"
+                )
+            if scene is None:
+                self.scene = load_built(self.directory)
+                check_data(self.directory / "skin.data", self.scene.kinds)
+            else:
+                self.scene = scene
+                build(scene, self.directory, configuration)
+            self.notes: list[str] = []
+            self._recorder = Recorder(self.directory, self.scene, variables)
+            self._checkpoints = Checkpoints(self.directory, self.scene, variables)
+            self._engine: Any = self._open(ranks, threads, variables, held)
+            self._resources = resources.pop_all()
+        self.sound = True
+
+    def _open(self, ranks: int, threads: int, variables: dict[str, Any], held: Hold) -> Any:
+        """LAMMPS with the scene that is built in the directory."""
+        arguments = (
+            self.directory, self.scene.kinds, present_terms(self.scene),
+            {**variables, "running": 0, "dump_interval": 0, "restart_file": PART}, threads,
+        )  # fmt: skip
+        try:
+            if ranks == 1:
+                return Engine(*arguments)
+            return RankedEngine(ranks, held.descriptor, *arguments)
+        except SimulationError as error:
+            raise SimulationError(f"{error} (starting the scene in {self.directory})") from None
+
+    @classmethod
+    def resume(
+        cls,
+        directory: str | Path,
+        ranks: int = 1,
+        threads: int = 1,
+        variables: Mapping[str, Any] | None = None,
+        held: Hold | None = None,
+    ) -> Self:
+        """Go on with a run from its newest good checkpoint, see docs/reliability.md.
+
+        Events and frames after the checkpoint are cut off. What had been given in `variables` is
+        given again, but for those that are given here, such as a shorter timestep after a run
+        that was unstable. `notes` tells, in lines, of checkpoints and trajectories that are
+        damaged.
+
+        Raises
+        ------
+        SimulationError
+            If there is no checkpoint, the inputs have changed since the run began, or another
+            process runs in the directory.
+        """
+        directory = Path(directory)
+        check_run(directory, ranks, threads)
+        load_built(directory)
+        with ExitStack() as resources:
+            held = held or resources.enter_context(Hold(directory))
+            restart, earlier, notes, passed_over = find_resumption(directory)
+            variables = {**earlier, **(variables or {})}
+            damaged = set_aside_if_damaged(directory) if restart else None
+            if restart:
+                variables = {**variables, "restart": restart}
+            simulation = cls(
+                None, directory, ranks=ranks, threads=threads, variables=variables, replace=True,
+                held=held,
+            )  # fmt: skip
+            simulation.notes += [*notes, *([damaged] if damaged else [])]
+            simulation._checkpoints.passed_over = passed_over
+            simulation._resources.push(resources.pop_all())
+        return simulation
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Write a last checkpoint, end LAMMPS and remove a temporary directory."""
+        engine, self._engine = self._engine, None
+        try:
+            if engine is not None and self.sound and not self._temporary:
+                self._checkpoints.write(engine)
+        finally:
+            with self._resources:
+                if engine is not None:
+                    engine.close()
+                    self._recorder.close(self.sound)
+
+    @property
+    def time(self) -> float:
+        """Time reached."""
+        return float(self._running.time())
+
+    @property
+    def timestep(self) -> float:
+        """Length of a step."""
+        return float(self._running.timestep())
+
+    def run(
+        self, until: float | None = None, progress: Progress | None = None, every: float = 1.0
+    ) -> None:
+        """Advance to a time, by default the scene's end time.
+
+        The trajectory is written to skin.h5 on the way, at every multiple of the scene's
+        `output.dump_interval`, and a checkpoint at every multiple of its
+        `output.checkpoint_interval`. SIGINT and SIGTERM end the run after a piece, the first as
+        KeyboardInterrupt, the second as SystemExit; a last checkpoint follows when the
+        simulation is closed.
+
+        Parameters
+        ----------
+        until : float, optional
+        progress : callable, optional
+            Called as ``progress(time, simulation)`` after each piece of the run.
+        every : float
+            Length of the pieces in time units.
+        """
+        engine = self._running
+        timestep = engine.timestep()
+        end = self.scene.end_time if until is None else until
+        step = engine.step()
+        if not self.time - timestep / 2 <= end < 2**53 * timestep:
+            raise SimulationError(f"until = {end:g}: must be a time from {self.time:g} on")
+        last = step + round((end - self.time) / timestep)
+        piece = last - step if progress is None else max(round(every / timestep), 1)
+        self._checkpoints.begin(engine)
+        self._recorder.record(engine)
+        self._reached = self.time
+        try:
+            with Interruption() as interruption:
+                while step < last:
+                    step = min(step + piece, last)
+                    self._run_to(step, interruption)
+                    if progress:
+                        progress(self._reached, self)
+        except SkinError as error:
+            self.sound = False
+            raise SimulationError(
+                f"{error} (after t = {self._reached:g}, {self._remedy(str(error), timestep)}; "
+                f"{self._last_checkpoint()})"
+            ) from None
+
+    def _run_to(self, step: int, interruption: Interruption) -> None:
+        """Advance, with frames and checkpoints on the way; a moment to end well is after each."""
+        engine, recorder, checkpoints = self._running, self._recorder, self._checkpoints
+        for stop in sorted({*recorder.stops(engine, step), *checkpoints.stops(engine, step)}):
+            self.sound = False
+            engine.run_to(stop, checkpoints.due(engine, stop))
+            self._reached = self.time
+            recorder.record(engine)
+            checkpoints.finish(engine)
+            self.sound = True
+            interruption.check()
+
+    def _remedy(self, error: str, timestep: float) -> str:
+        """What to change after an error: a timestep that may be stable, and at most half of it."""
+        shorter = min(timestep / 2, longest_timestep(self.scene))
+        return remedy(error, self.directory, timestep, shorter)
+
+    def _last_checkpoint(self) -> str:
+        latest = self._checkpoints.latest()
+        return f"last checkpoint: {latest}" if latest else "no checkpoint was written"
+
+    def command(self, text: str) -> None:
+        """Give LAMMPS a command; the history in skin.h5 tells of it."""
+        self._running.command(text)
+        self._recorder.note(self._running, text)
+
+    def energies(self) -> dict[str, float]:
+        """Energy of every term of the model at the current time, by name."""
+        energies: dict[str, float] = self._running.energies()
+        return energies
+
+    def motion(self) -> Motion:
+        """How particles were moved since this simulation began."""
+        motion: Motion = self._running.motion()
+        return motion
+
+    def forces(self) -> Forces:
+        """Ids, types, positions and forces of all particles, sorted by id."""
+        forces: Forces = self._running.forces()
+        return forces
+
+    def move(self, ids: Ints, positions: Floats) -> None:
+        """Put particles (n,) at positions (n, 3), and compute all forces there."""
+        self._running.move(ids, positions)
+        self._recorder.note(self._running, f"moved {len(ids)} particles")
+
+    def cells(self) -> Cells:
+        """State of the living cells, sorted by id."""
+        cells: Cells = self._running.cells()
+        return cells
+
+    @property
+    def _running(self) -> Any:
+        if self._engine is None:
+            raise SimulationError("this simulation is closed")
+        return self._engine
+
+
+def remedy(error: str, directory: Path, timestep: float, shorter: float) -> str:
+    """What to do after an error of a run."""
+    if not directory.is_dir():
+        return f"{directory} is no longer there: put it back, and resume the run"
+    if any(os.strerror(full) in error for full in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)):
+        return "make room for its files, and resume the run"
+    if "was killed" in error:
+        return (
+            "as the system does when memory runs out, or a batch system at its limits: resume the "
+            "run, with more of them or on fewer ranks"
+        )
+    if "leaves the box" in error:
+        return (
+            f"numerics.timestep = {timestep:g}; try {shorter:.3g}, or, for a tissue that moves "
+            "as a whole, other membrane.height and box_height"
+        )
+    if any(sign in error for sign in UNSTABLE):
+        return f"numerics.timestep = {timestep:g}; try {shorter:.3g}"
+    return "mend that, and resume the run"
+
+
+def check_run(directory: Path, ranks: int, threads: int) -> None:
+    """Refuse what cannot be run, before anything is written.
+
+    LAMMPS splits its commands at blanks, changes letters beyond ASCII, and quotes, dollars, stars,
+    percent and number signs mean something to it.
+    """
+    for name, value in (("ranks", ranks), ("threads", threads)):
+        if not isinstance(value, int) or not 1 <= value <= 4096:
+            raise SimulationError(f"{name} = {value!r}: must be a whole number from 1 to 4096")
+    check_alone()
+    check_ranks(ranks)
+    bad = sorted({c for c in str(directory.resolve()) if not "!" <= c <= "~" or c in "\"'$*%#"})
+    if bad:
+        raise SceneError(
+            f"directory {str(directory)!r}: LAMMPS cannot read a path with {''.join(bad)!a} in it"
+        )
+
+
+def start_time(directory: Path) -> float:
+    """Start time in the scene.in of a built scene."""
+    path = directory / "scene.in"
+    try:
+        statements = [line.split() for line in path.read_text("utf-8").splitlines()]
+        return next(float(words[3]) for words in statements if words[1:2] == ["start_time"])
+    except (OSError, ValueError, IndexError, StopIteration):
+        raise SceneError(f"{path}: states no start_time; build the scene again") from None
+
+
+def present_terms(scene: Scene) -> tuple[str, ...]:
+    """Names of the terms that a scene has."""
+    terms = [term.name for term in pair_terms(scene)] + ["stretch", "bend"]
+    if scene.dermis.present:
+        terms.append("wall")
+    if scene.has_cells:
+        terms += FIX_TERMS
+    return tuple(terms)

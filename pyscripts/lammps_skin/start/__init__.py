@@ -1,0 +1,1 @@
+"""From a scene to a configuration to the files that LAMMPS reads."""

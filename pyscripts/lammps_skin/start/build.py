@@ -1,0 +1,238 @@
+"""Scene and configuration -> a directory in which ``lmp -in skin.in`` runs."""
+
+from __future__ import annotations
+
+import json
+import math
+import shutil
+import tempfile
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from lammps_skin.errors import SceneError, one_line
+from lammps_skin.kinds import Kind
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.terms import (
+    StyledTerm,
+    adhesion_stiffness,
+    cell_kinds,
+    cores,
+    division_spring,
+    pair_terms,
+    stretch_term,
+    wall_coefficients,
+)
+from lammps_skin.plugin import installed
+from lammps_skin.start.configuration import Configuration
+
+SCRIPTS = (
+    "skin.in", "state.in", "membrane.in", "dermis.in", "cells.in", "integration.in", "output.in",
+)  # fmt: skip
+SCENE_FILE = "scene.toml"
+CORE = 0.5  # of the contact length: no cell comes so close to the membrane
+
+
+def build(
+    scene: Scene, directory: Path, configuration: Configuration | None = None
+) -> Configuration:
+    """Write input scripts, tables, data file and the scene itself into a directory.
+
+    Raises `SceneError` if the directory cannot be written, `ConfigurationError` if the
+    configuration does not belong to the scene. Files are put in place when all of them are written,
+    the scene last; without it a directory is not taken for a built one.
+    """
+    if configuration is None:
+        configuration = Configuration.from_scene(scene)
+    else:
+        configuration.check(scene)
+    scripts = installed("lammps_inputs")
+    if not scripts.is_dir():
+        raise SceneError(f"{scripts} is missing: install lammps-skin with pip")
+    fresh = not directory.exists()
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".building-", dir=directory) as folder:
+            _write(scene, scripts, Path(folder), configuration)
+            (directory / SCENE_FILE).unlink(missing_ok=True)
+            for path in sorted(Path(folder).iterdir(), key=lambda path: path.name == SCENE_FILE):
+                path.replace(directory / path.name)
+    except OSError as error:
+        if fresh:
+            with suppress(OSError):
+                directory.rmdir()
+        raise SceneError(f"directory {directory}: {error.strerror}") from None
+    return configuration
+
+
+def _write(scene: Scene, scripts: Path, directory: Path, configuration: Configuration) -> None:
+    terms = pair_terms(scene)
+    for script in SCRIPTS:
+        if _needed(script, scene):
+            shutil.copyfile(scripts / script, directory / script)
+    for term in terms:
+        if term.table:
+            term.table.write(directory / f"{term.name}.table")
+    stretch = stretch_term(scene)
+    if stretch.table:
+        stretch.table.write(directory / "stretch.table")
+    configuration.write_data(directory / "skin.data", scene.kinds)
+    (directory / SCENE_FILE).write_text(to_toml(scene.given()), encoding="utf-8")
+    lines = [f"# {scene.name}: {_comment(scene.description) or 'numbers of this scene'}", ""]
+    lines += _variables(scene, configuration, terms)
+    (directory / "scene.in").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _needed(script: str, scene: Scene) -> bool:
+    absent = {"dermis.in": not scene.dermis.present, "cells.in": not scene.has_cells}
+    return not absent.get(script, False)
+
+
+def _comment(text: str) -> str:
+    """Text in which LAMMPS sees no new line, no continuation and no quote."""
+    return one_line(text.translate({ord(c): " " for c in '"&'}))
+
+
+def _variables(
+    scene: Scene, configuration: Configuration, terms: list[StyledTerm]
+) -> Iterator[str]:
+    """Lines of scene.in; index variables can be overridden with ``-var``."""
+
+    def index(name: str, value: Any) -> str:
+        return f"variable        {name} index {value}"
+
+    def string(name: str, *values: Any) -> str:
+        return index(name, '"' + " ".join(str(value) for value in values) + '"')
+
+    start_step = round(configuration.time / scene.numerics.timestep)
+    yield "# run: these can be overridden with -var"
+    yield index("seed", scene.cell_seed)
+    yield index("timestep", scene.numerics.timestep)
+    yield index("end_time", scene.end_time)
+    yield index("thermo_interval", scene.output.thermo_interval)
+    yield index("dump_interval", scene.output.dump_interval)
+    yield index("checkpoint_interval", scene.output.checkpoint_interval)
+    yield index("event_interval", scene.numerics.event_interval)
+    yield index("integrator", scene.numerics.integrator)
+    yield index("stages", scene.numerics.evaluations)
+    yield index("largest_move", scene.numerics.largest_move)
+    yield index("stiffness_limit", scene.numerics.stiffness_limit)
+    yield index("rounding", scene.rounding)
+    yield index("rounding_interval", scene.numerics.rounding_interval)
+    yield index("running", 1)
+    yield "\n# parts"
+    yield index("has_dermis", int(scene.dermis.present))
+    yield index("has_cells", int(scene.has_cells))
+    yield index("start_step", start_step)
+    yield index("start_time", float(configuration.time))
+    yield "\n# numerics"
+    yield index("neighbor_skin", scene.numerics.neighbor_skin)
+    yield index("ghost_cutoff", ghost_cutoff(scene, configuration))
+    yield string("collections", *_collections(scene))
+    yield index("bin_size", scene.spacing + scene.numerics.neighbor_skin)
+    yield "\n# pair terms: sub-style, where its table is if it has one, and its coefficients"
+    watched = cores(scene)
+    styles = ["skin/core"] * bool(watched) + [term.style for term in terms]
+    yield string("pair_styles", *styles)
+    for term, style in zip(terms, _numbered(terms), strict=True):
+        yield string(f"{term.name}_style", style)
+        yield index(f"{term.name}_path", "${dir}/" if term.table else '""')
+        yield string(term.name, term.coefficients)
+    yield index("has_cores", int(bool(watched)))
+    for pair, core in watched.items():
+        yield string(f"{pair}_core", core)
+    yield "\n# membrane"
+    stretch = stretch_term(scene)
+    yield string("stretch_style", stretch.style)
+    yield index("stretch_path", "${dir}/" if stretch.table else '""')
+    yield string("stretch", stretch.coefficients)
+    yield string("link_limits", *_link_limits(stretch))
+    yield index("bending_stiffness", scene.membrane.bending_stiffness)
+    if scene.dermis.present:
+        yield "\n# dermis"
+        yield string("wall", wall_coefficients(scene))
+        yield index("frozen_below", scene.dermis.frozen_below)
+    if scene.has_cells:
+        yield from _cell_variables(scene, string)
+
+
+def _link_limits(stretch: StyledTerm) -> list[str]:
+    """Keyword of the motion for the ends of a table of stretch; nothing without a table."""
+    if stretch.table is None:
+        return []
+    return ["link", *(repr(float(stretch.table.distances[end])) for end in (0, -1))]
+
+
+def _cell_variables(scene: Scene, string: Any) -> Iterator[str]:
+    cells = scene.cells
+    numbers = [scene.kinds.index(kind) + 1 for kind in cell_kinds(scene)]
+    adhesion, binding = adhesion_stiffness(scene)
+    yield "\n# cells"
+    yield string("cell_types", f"{min(numbers)}*{max(numbers)}")
+    yield string("cell_labels", *(kind.label for kind in cell_kinds(scene)))
+    yield string("cell_kinds", *(f"{kind.label} {kind.label}" for kind in cell_kinds(scene)))
+    yield string("contact", scene.contact)
+    yield string("core", CORE * scene.contact if cells.membrane_exclusion_stiffness else 0)
+    yield string("adhesion", adhesion, cells.adhesion_range)
+    yield string("binding", binding)
+    yield string("cycle", cells.cycle_delay, cells.cycle_rate, cells.first_phase)
+    yield string("generations", cells.generations)
+    yield string("spring", *division_spring(scene))
+    yield string("offset", cells.division_separation * cells.radius)
+    yield string("next_id", 1)
+
+
+def _collections(scene: Scene) -> list[str]:
+    """Collections of types for the neighbor search: the membrane, and all that is larger."""
+    larger = [str(n) for n, kind in enumerate(scene.kinds, 1) if kind != Kind.MEMBRANE]
+    membrane = str(scene.kinds.index(Kind.MEMBRANE) + 1)
+    return ["2", membrane, ",".join(larger)] if larger else ["1", membrane]
+
+
+def _numbered(terms: list[StyledTerm]) -> Iterator[str]:
+    """Names of sub-styles as hybrid wants them: with a number where one occurs several times."""
+    names = [term.style.split()[0] for term in terms]
+    total, seen = Counter(names), Counter[str]()
+    for name in names:
+        seen[name] += 1
+        yield f"{name} {seen[name]}" if total[name] > 1 else name
+
+
+def load_built(directory: Path) -> Scene:
+    """Scene of a directory that was built before."""
+    if not (directory / "skin.in").is_file():
+        raise SceneError(f"directory {directory}: holds no built scene (there is no skin.in)")
+    return Scene.load(directory / SCENE_FILE)
+
+
+def ghost_cutoff(scene: Scene, configuration: Configuration) -> float:
+    """Reach of ghost particles: pairs, links, dividing pairs, and the nearest membrane particle."""
+    skin = scene.numerics.neighbor_skin
+    link = 2 * scene.membrane.radius * (1 + scene.membrane.spacing_ratio)
+    reach = [max(term.cutoff for term in pair_terms(scene)) + skin, link + skin]
+    if scene.has_cells:
+        detachment = scene.cells.adhesion_range * scene.contact
+        _, distance = configuration.nearest_membrane()
+        furthest = float(distance[configuration.is_cell].max(initial=0.0))
+        reach.append(max(detachment, furthest) + 2.5 * skin)
+        reach.append(3 * scene.cells.radius)
+    return math.ceil(100 * max(reach)) / 100
+
+
+def to_toml(given: dict[str, Any], prefix: str = "") -> str:
+    """Nested keys as TOML."""
+    lines = [f"{key} = {_toml_value(v)}" for key, v in given.items() if not isinstance(v, dict)]
+    for key, value in given.items():
+        if isinstance(value, dict):
+            lines += ["", f"[{prefix}{key}]", to_toml(value, f"{prefix}{key}.").rstrip("\n")]
+    return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _toml_value(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_toml_value(item) for item in value) + "]"
+    if isinstance(value, float):
+        return repr(value)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,0 +1,1 @@
+"""Many runs: ensembles, what runs cost, and how their numerics compare."""

@@ -1,0 +1,371 @@
+"""Runs of scenes with many seeds, each reduced to its table of observables.
+
+In a folder of an ensemble, ``runs/NAME-SEED-KEY.csv`` is the table of one run, and
+``NAME.csv.gz`` has those of all seeds of a scene below each other, with a column for the seed.
+The key is a hash of all that the scene says and of the versions of LAMMPS, of the package, of the
+plugin and of the observables: a run whose table is there is not run again. A gathered table of
+another key gets the name ``NAME-KEY.csv.gz``.
+"""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+import os
+import re
+import shutil
+import signal
+import threading
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.lib import recfunctions
+
+from lammps_skin.analysis import observables
+from lammps_skin.analysis.geometry import Floats
+from lammps_skin.analysis.observables import FRACTIONS, Table, open_run, save
+from lammps_skin.analysis.observables import load as load
+from lammps_skin.analysis.statistics import Mean, mean
+from lammps_skin.errors import SceneError, SkinError
+from lammps_skin.files import free_name
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.hold import Hold
+from lammps_skin.run.results import holds_results
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.study import cost
+from lammps_skin.trajectory.hdf5 import open_hdf5
+from lammps_skin.trajectory.store import STORE
+from lammps_skin.versions import versions
+
+REPORTS = 200  # of the time of a run to the bar
+KEY = re.compile(r", key ([0-9a-f]+)$")  # how the first comment of a gathered table ends
+Progress = Callable[[float], None]
+
+
+def _today() -> tuple[tuple[str, str], ...]:
+    return tuple(versions().items())
+
+
+@dataclass(frozen=True)
+class Member:
+    """One run of an ensemble: a scene with its seed, in the folder of the ensemble.
+
+    Attributes
+    ----------
+    scene : Scene
+    folder : Path
+    made_by : tuple of (name, version)
+        What runs it, or has run it.
+    """
+
+    scene: Scene
+    folder: Path
+    made_by: tuple[tuple[str, str], ...] = field(default_factory=_today)
+
+    @property
+    def seed(self) -> int:
+        """Seed of the cells, by which runs of one key differ."""
+        return self.scene.cell_seed
+
+    @property
+    def label(self) -> str:
+        return f"{self.scene.name}, seed {self.seed}"
+
+    @property
+    def key(self) -> str:
+        """Hash of what the seeds of a scene have in common, of versions, of what is observed.
+
+        Where the cells have a seed of their own, that of the scene is the same for all of them.
+        """
+        content = self.scene.model_dump(mode="json", exclude={"description"})
+        if content["cells"].pop("seed") is None:
+            del content["seed"]
+        text = json.dumps([observables.VERSION, self.made_by, content], sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+    @property
+    def directory(self) -> Path:
+        """Run directory."""
+        return self.folder / "runs" / f"{self.scene.name}-{self.seed}-{self.key}"
+
+    @property
+    def table(self) -> Path:
+        """Where the observables are stored."""
+        return self.directory.with_name(self.directory.name + ".csv")
+
+    @property
+    def done(self) -> bool:
+        return self.table.is_file()
+
+    @property
+    def gathered(self) -> Path:
+        """Where the tables of all seeds of the scene are gathered."""
+        return self.folder / f"{self.scene.name}.csv.gz"
+
+    @property
+    def seconds(self) -> float:
+        """Expected cost on one core."""
+        return cost.estimate(self.scene).seconds
+
+    def run(self, keep: bool = False, progress: Progress | None = None) -> None:
+        """Run to the end time, store the observables, remove the run directory.
+
+        What an earlier process has left there goes on from its last checkpoint. If it cannot, it
+        is left as it is, and a `SkinError` says why.
+        """
+
+        def report(time: float, _: Simulation) -> None:
+            if progress:
+                progress(time)
+
+        with Hold(self.directory, make=True) as held:
+            if self.done:  # by another process, while it held the directory
+                return
+            with self._simulation(held) as simulation:
+                simulation.run(progress=report, every=self.scene.end_time / REPORTS)
+            self.store(self.directory)
+            if not keep:
+                shutil.rmtree(self.directory)
+
+    def _simulation(self, held: Hold) -> Simulation:
+        if not holds_results(self.directory):
+            return Simulation(self.scene, self.directory, held=held)
+        try:
+            return Simulation.resume(self.directory, held=held)
+        except SkinError as error:
+            raise SkinError(
+                f"{error}; the run is kept: move {self.directory} away to begin anew"
+            ) from None
+
+    def store(self, directory: Path) -> None:
+        """Store the observables of a run of this scene that has come to its end."""
+        found = observables.observables(directory)
+        reached, end = found["time"][-1], self.scene.end_time
+        # the last frame of a run comes at most one interval before its end
+        if reached + self.scene.output.dump_interval < end:
+            raise SkinError(f"run {directory}: its trajectory ends at t = {reached:g} of {end:g}")
+        save(found, self.table, [f"{self.label}, key {self.key}"])
+
+
+def members(scenes: Iterable[Scene], seeds: Sequence[int], folder: Path) -> list[Member]:
+    """Every scene with every seed.
+
+    Raises `SceneError` for scenes of the same name, or whose runs would not differ.
+    """
+    scenes = list(scenes)
+    names = [scene.name for scene in scenes]
+    for scene in scenes:
+        if names.count(scene.name) > 1:
+            raise SceneError(f"name = {scene.name!r}: two scenes of an ensemble have this name")
+        if scene.cells.seed is not None and len(seeds) > 1:
+            raise SceneError(
+                f"cells.seed = {scene.cells.seed}: must not be given in an ensemble, whose seeds "
+                "are those of the scenes"
+            )
+        if not scene.output.dump_interval:
+            raise SceneError("output.dump_interval = 0: an ensemble needs trajectories")
+    return [Member(scene.replace(seed=seed), folder) for scene in scenes for seed in seeds]
+
+
+def member_of(directory: Path, folder: Path) -> Member:
+    """The member that was run in a directory, in the folder of an ensemble.
+
+    Its versions are those that skin.h5 names; a dump names none, and those of today are taken.
+    """
+    with open_run(directory) as run:
+        path = Path(run.universe.trajectory.filename)
+        made_by = versions()
+        if path.suffix == Path(STORE).suffix:
+            with open_hdf5(path) as file:
+                named = file["parameters/versions"].attrs
+                made_by = {name: str(named.get(name, "unknown")) for name in made_by}
+        return Member(run.scene, folder, tuple(made_by.items()))
+
+
+# ---- running
+
+
+class Running(NamedTuple):
+    """A run in a process of its own."""
+
+    member: Member
+    process: Any
+
+
+def run_all(
+    todo: Sequence[Member],
+    jobs: int = 1,
+    keep: bool = False,
+    progress: Callable[[Member, float], None] | None = None,
+) -> dict[Member, str]:
+    """Run members in processes, `jobs` at a time.
+
+    Parameters
+    ----------
+    todo : sequence of Member
+    jobs : int
+    keep : bool
+        Keep the run directories.
+    progress : callable, optional
+        Called as ``progress(member, time)`` with the time that a run has reached.
+
+    Returns
+    -------
+    dict of Member to str
+        What went wrong in the runs that failed; their directories are kept.
+    """
+    context = get_context("spawn")
+    waiting, failures = list(reversed(todo)), {}
+    running: dict[Connection, Running] = {}
+    former = signal.getsignal(signal.SIGTERM)
+    if former == signal.SIG_DFL and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, _terminate)
+    try:
+        while waiting or running:
+            while waiting and len(running) < jobs:
+                member = waiting.pop()
+                receiver, sender = context.Pipe(duplex=False)
+                process = context.Process(target=_work, args=(member, keep, sender), daemon=True)
+                process.start()
+                sender.close()
+                running[receiver] = Running(member, process)
+            for connection in wait(list(running)):
+                assert isinstance(connection, Connection)
+                member, process = running[connection]
+                try:
+                    news = connection.recv()
+                except EOFError:
+                    process.join()
+                    news = f"its process ended with exit code {process.exitcode}"
+                if isinstance(news, float):
+                    if progress:
+                        progress(member, news)
+                    continue
+                if news is not None:
+                    failures[member] = news
+                del running[connection]
+                connection.close()
+                process.join()
+    finally:
+        for _, process in running.values():
+            process.terminate()
+            process.join()
+        if signal.getsignal(signal.SIGTERM) is _terminate:
+            signal.signal(signal.SIGTERM, former)
+    return failures
+
+
+def _terminate(number: int, _: object) -> None:
+    """End this process as a signal would, but not before its children."""
+    raise SystemExit(128 + number)
+
+
+def _work(member: Member, keep: bool, sender: Connection) -> None:
+    """In a process of its own: times as they are reached, then None or an error."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its children
+    try:
+        member.run(keep, lambda time: sender.send(float(time)))
+        sender.send(None)
+    except (SkinError, OSError) as error:
+        with suppress(OSError):  # nobody is there any more
+            sender.send(str(error))
+
+
+# ---- results
+
+
+def gather(members: Iterable[Member]) -> list[Path]:
+    """Gather the tables of each scene, of these and of all other seeds that are there.
+
+    Seeds that the gathered table has already, and that have no table of their own any more, stay
+    in it. A gathered table of another key is not changed but for its name. The same tables give
+    the same bytes. Scenes without a table are left out.
+
+    Returns
+    -------
+    list of Path
+        Tables that were written or have another name.
+    """
+    written = []
+    for member in {(member.gathered, member.key): member for member in members}.values():
+        name, key, path = member.scene.name, member.key, member.gathered
+        aside = path.with_name(f"{name}-{key}.csv.gz")
+        tables: dict[int, Table] = {}
+        for earlier in (aside, path):
+            if _key_of(earlier) == key:
+                tables |= _by_seed(load(earlier))
+        tables |= {
+            int(file.name.split("-")[-2]): with_seed(load(file), int(file.name.split("-")[-2]))
+            for file in member.table.parent.glob(f"{name}-*-{key}.csv")
+            if file.name.removeprefix(f"{name}-").removesuffix(f"-{key}.csv").isdigit()
+        }
+        if not tables:
+            continue
+        if os.path.lexists(path) and _key_of(path) != key:
+            other = free_name(path.with_name(f"{name}-{_key_of(path) or 'other'}.csv.gz"))
+            path.rename(other)
+            written.append(other)
+        comments = [
+            f"{name}, seeds {', '.join(map(str, sorted(tables)))}, key {key}",
+            f"scene: {json.dumps(member.scene.given(), sort_keys=True)}",
+            f"made by: {', '.join(' '.join(pair) for pair in member.made_by)}",
+        ]
+        save(np.concatenate([tables[seed] for seed in sorted(tables)]), path, comments)
+        aside.unlink(missing_ok=True)
+        written.append(path)
+    return written
+
+
+def _key_of(path: Path) -> str | None:
+    """Key of a gathered table; None if there is no table that names one."""
+    try:
+        with gzip.open(path, "rt", encoding="utf-8") as file:
+            found = KEY.search(file.readline().rstrip())
+    except (OSError, EOFError, ValueError):
+        return None
+    return found[1] if found else None
+
+
+def _by_seed(table: Table) -> dict[int, Table]:
+    """Rows of each seed of a gathered table."""
+    return {int(seed): table[table["seed"] == seed] for seed in np.unique(table["seed"])}
+
+
+def with_seed(table: Table, seed: int) -> Table:
+    """The table with a first column for the seed."""
+    new = np.full(len(table), float(seed)).view([("seed", float)])
+    together: Table = recfunctions.merge_arrays([new, table], flatten=True)
+    return together
+
+
+def window_means(table: Table, column: str, start: float, end: float) -> Floats:
+    """Mean (s,) of a column over the times from start to end, for each seed, ascending.
+
+    NaN in frames is left out; a seed without a value in the window is NaN.
+    """
+    inside = table[(table["time"] >= start) & (table["time"] <= end)]
+    means = []
+    for seed in np.unique(table["seed"]):
+        values = inside[column][inside["seed"] == seed]
+        values = values[~np.isnan(values)]
+        means.append(values.mean() if len(values) else np.nan)
+    return np.array(means, float)
+
+
+def window_mean(table: Table, column: str, start: float, end: float) -> Mean:
+    """Mean over seeds of the means over a window, with standard error and 95 % interval (t)."""
+    return mean(window_means(table, column, start, end), fraction=column in FRACTIONS)
+
+
+def over_time(table: Table, column: str) -> tuple[Floats, list[Mean]]:
+    """Mean over seeds at every time (t,), with standard error and 95 % interval."""
+    times = np.unique(table["time"])
+    fraction = column in FRACTIONS
+    return times, [mean(table[column][table["time"] == t], fraction=fraction) for t in times]

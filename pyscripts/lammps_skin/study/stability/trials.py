@@ -1,0 +1,321 @@
+"""Short runs of a scene from one state, and whether they are sane."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from itertools import product
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_skin.errors import SceneError, SimulationError, SkinError
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.arrangements import place_cells
+from lammps_skin.start.build import build
+from lammps_skin.start.configuration import Configuration
+from lammps_skin.study.stability.bisection import Limit, Trial, bisect
+from lammps_skin.study.stability.hessian import largest_eigenvalue, mobilities
+from lammps_skin.study.stability.methods import CROWDING, Method, scaled
+from lammps_skin.study.tradeoff.measure import NEVER, restart_of
+from lammps_skin.study.tradeoff.store import Store, digest, physics
+
+VERSION = 1  # to be raised when what is found means something else
+KICK = 1e-4  # largest displacement of each coordinate at the start: nothing is exactly at rest
+SAMPLES = 16  # of the energy in a run
+TRANSIENT, SETTLED = 1.0, 0.5  # energy in excess that is allowed, and in the last quarter
+TINY = 1e-300  # a range of energies where nothing has any
+FEWEST_STEPS = 4  # of a run: the longest timestep that is tried
+MOST_EVALUATIONS = 2000  # of forces in a run: the shortest
+FINE = {"integrator": "euler", "stages": 1, "largest_move": 0.05, "stiffness_limit": 0.0}
+FINE_TIMESTEP, FINE_PART = 0.005, 0.25  # at most, and as a part of the estimate
+MEASURING = 1e-3  # timestep with which mobilities are measured
+
+Floats = NDArray[np.float64]
+
+
+class State:
+    """Where the runs of a map begin.
+
+    Parameters
+    ----------
+    scene : Scene
+    start : Path, optional
+        Restart file, or run directory whose last restart file is taken; the start of the scene
+        if not given.
+    configuration : Configuration, optional
+        Instead of the start of the scene.
+
+    Raises
+    ------
+    SceneError
+        If there is no such restart file, or if it is that of another scene.
+    """
+
+    def __init__(
+        self, scene: Scene, start: Path | None = None, configuration: Configuration | None = None
+    ) -> None:
+        self._scene, self._given = scene, configuration
+        self.restart = None if start is None else restart_of(start, scene)
+
+    @cached_property
+    def configuration(self) -> Configuration:
+        """What directories are built from; a restart file replaces its particles."""
+        return self._given or Configuration.from_scene(self._scene)
+
+    @cached_property
+    def key(self) -> str:
+        """Hash of the state."""
+        if self.restart:
+            return hashlib.sha256(self.restart.read_bytes()).hexdigest()
+        positions = [] if self._given is None else self._given.positions.tolist()
+        return digest(physics(self._scene), positions)
+
+
+class Ground(NamedTuple):
+    """What trials of a scene are compared with.
+
+    Attributes
+    ----------
+    times, energies : list of float
+        Total energy during a run of forward Euler with a short timestep, divided where it must
+        be; times since the state.
+    eigenvalues : list of list of float
+        Largest eigenvalues of the Hessian at the begin and the end of that run; without and with
+        a limit of stiffness.
+    """
+
+    times: list[float]
+    energies: list[float]
+    eigenvalues: list[list[float]]
+
+    def excess(self, time: float, energy: float) -> float:
+        """Energy above that of the run at a time, over the range of its energies."""
+        own = np.interp(time, self.times, self.energies)
+        return float((energy - own) / max(np.ptp(self.energies), TINY))
+
+
+class Unsound(Exception):
+    """Ends a run whose energy is too high."""
+
+
+class Trials:
+    """Runs of a scene from a state.
+
+    Parameters
+    ----------
+    scene : Scene
+        Possibly with other parameters than those with which the state was reached.
+    state : State
+    folder : Path
+        Of the results; what is there is not computed again.
+    interval : float
+        Length of the runs.
+    stiffness_limit : float
+        Of the methods that have one.
+    """
+
+    def __init__(
+        self, scene: Scene, state: State, folder: Path, interval: float, stiffness_limit: float
+    ) -> None:
+        quiet = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
+        self.scene = scene.replace(**quiet)
+        self.state = state
+        self.interval = interval
+        self.limits = 0.0, stiffness_limit
+        self.store = Store(folder)
+        self._directory = folder / f"run-{self._key()}"
+        self._built = False
+
+    # ---- results
+
+    def limit_path(self, method: Method, tolerance: float) -> Path:
+        """Where it is kept what `limit` finds."""
+        return self.store.path("limit", method.name, self._key(list(method), tolerance), ".json")
+
+    def limit(self, method: Method, tolerance: float) -> Limit:
+        """The largest stable timestep, by bisection that begins at the estimate at the end."""
+        path = self.limit_path(method, tolerance)
+        if not path.exists():
+            guess = method.estimate(self.eigenvalues(method.stiffness_limit)[-1])
+            found = bisect(
+                lambda timestep: self.problem(method, timestep),
+                guess, method.stages * self.interval / MOST_EVALUATIONS,
+                self.interval / FEWEST_STEPS, tolerance,
+            )  # fmt: skip
+            _save(path, found.trials)
+        return Limit(tuple(Trial(*trial) for trial in _load(path)))
+
+    def eigenvalues(self, stiffness_limit: float) -> list[float]:
+        """Largest eigenvalues at the begin and at the end, with one of the `limits`."""
+        return self._ground.eigenvalues[self.limits.index(stiffness_limit)]
+
+    def _key(self, *more: object) -> str:
+        numerics = self.scene.numerics.model_dump(
+            mode="json", include={"pair_form", "table_style", "table_points",
+                                  "neighbor_skin"},
+        )  # fmt: skip
+        return digest(VERSION, physics(self.scene), numerics, self.state.key, self.interval, *more)
+
+    # ---- runs
+
+    def problem(self, method: Method, timestep: float) -> str:
+        """What is wrong with a run; nothing if it is stable.
+
+        A run is stable if it ends, and if its total energy is never further above that of the
+        run with a short timestep than the range of energies in the latter, and in the last
+        quarter of the interval than half of it. There are no births, ends of divisions and
+        removals: they would be at other times in runs with another timestep.
+        """
+        try:
+            with self._simulation({**method.variables, "timestep": repr(timestep)}) as simulation:
+                self._follow(simulation, timestep)
+        except Unsound as unsound:
+            return str(unsound)
+        except SimulationError as error:
+            return str(error)
+        return ""
+
+    def _follow(self, simulation: Simulation, timestep: float) -> None:
+        """Run, and raise `Unsound` when the energy is too high."""
+        ground = self._ground
+        begin = simulation.time
+
+        def look(now: float, _: Simulation) -> None:
+            energy = sum(simulation.energies().values())
+            excess = ground.excess(now - begin, energy)
+            if not excess <= (SETTLED if now - begin > 0.75 * self.interval else TRANSIENT):
+                raise Unsound(
+                    f"energy {energy:.4g} after {now - begin:.3g} time units, {excess:.3g} times "
+                    "the range of the comparison above it"
+                )
+
+        steps = max(round(self.interval / timestep), 1)
+        every = timestep * max(round(steps / SAMPLES), 1)
+        simulation.run(begin + steps * timestep, look, every)
+
+    @cached_property
+    def _ground(self) -> Ground:
+        path = self.store.path("ground", "fine", self._key(self.limits), ".json")
+        if not path.exists():
+            _save(path, self._find_ground())
+        return Ground(*_load(path))
+
+    def _find_ground(self) -> Ground:
+        with self._simulation({**FINE, "timestep": FINE_TIMESTEP}) as simulation:
+            simulation.command(f"write_restart {self._restart('begin')}")
+        begins = [self._eigenvalue("begin", limit) for limit in self.limits]
+        stable = FINE_PART * Method("euler", 1, 0.0).estimate(begins[0])
+        timestep = max(min(FINE_TIMESTEP, stable), self.interval / MOST_EVALUATIONS)
+        with self._simulation({**FINE, "timestep": repr(timestep)}) as simulation:
+            begin = simulation.time
+            times, energies = [0.0], [sum(simulation.energies().values())]
+
+            def note(now: float, _: Simulation) -> None:
+                times.append(now - begin)
+                energies.append(sum(simulation.energies().values()))
+
+            simulation.run(begin + self.interval, note, every=self.interval / SAMPLES)
+            simulation.command(f"write_restart {self._restart('end')}")
+        ends = [self._eigenvalue("end", limit) for limit in self.limits]
+        return Ground(times, energies, [list(pair) for pair in zip(begins, ends, strict=True)])
+
+    def _eigenvalue(self, restart: str, stiffness_limit: float) -> float:
+        variables = {
+            **FINE, "timestep": MEASURING, "stiffness_limit": stiffness_limit, "largest_move": 0.0,
+        }  # fmt: skip
+        with self._simulation(variables, restart) as simulation:
+            mobility = np.ones(len(simulation.forces().ids))
+            if stiffness_limit:
+                mobility = mobilities(simulation)
+            return largest_eigenvalue(simulation, mobility)
+
+    def _restart(self, name: str) -> Path:
+        return self._directory / f"{name}.restart"
+
+    @contextmanager
+    def _simulation(
+        self, variables: dict[str, Any], restart: str | None = None
+    ) -> Iterator[Simulation]:
+        """From the state, kicked, or from one of our own restart files."""
+        never = repr(NEVER * float(variables["timestep"]))
+        given = {**variables, "event_interval": never, "thermo_interval": never, "rounding": 0}
+        try:
+            self._build()
+            (self._directory / "events.csv").unlink(missing_ok=True)
+        except OSError as error:
+            raise SkinError(f"folder {self._directory}: {error.strerror}") from None
+        if restart or self.state.restart:
+            given["restart"] = f"{restart or 'state'}.restart"
+        with Simulation(None, self._directory, variables=given) as simulation:
+            if restart is None:
+                simulation.command(f"displace_atoms all random {KICK} {KICK} {KICK} 1 units box")
+                simulation.command("run 0 post no")
+            yield simulation
+
+    def _build(self) -> None:
+        """Once for all runs of this scene."""
+        if self._built:
+            return
+        self.close()
+        build(self.scene, self._directory, self.state.configuration)
+        if self.state.restart:
+            shutil.copyfile(self.state.restart, self._restart("state"))
+        self._built = True
+
+    def close(self) -> None:
+        """Remove what only the runs need."""
+        shutil.rmtree(self._directory, ignore_errors=True)
+        self._built = False
+
+
+Point = tuple[str, float]  # what is scaled, and by how much
+
+
+def points(
+    scene: Scene,
+    start: Path | None,
+    names: Iterable[str],
+    factors: Iterable[float],
+    folder: Path,
+    interval: float,
+    stiffness_limit: float,
+) -> tuple[dict[Point, Trials], list[str]]:
+    """Trials of the scene with parameters scaled, and why some cannot be.
+
+    All begin from one state, but for those with another number of cells, which begin from the
+    start of their own scene.
+    """
+    found: dict[Point, Trials] = {}
+    left_out = []
+    state = State(scene, start)
+    for name, factor in product(names, factors):
+        if name == CROWDING and start is not None and factor != 1:
+            left_out.append(f"{name} x {factor:g}: the state is given")
+            continue
+        try:
+            changed = scaled(scene, name, factor)
+            place_cells(changed)
+        except SceneError as error:
+            left_out.append(f"{name} x {factor:g}: {error}")
+            continue
+        own = State(changed) if name == CROWDING and factor != 1 else state
+        found[name, factor] = Trials(changed, own, folder, interval, stiffness_limit)
+    return found, left_out
+
+
+def _save(path: Path, content: Any) -> None:
+    part = path.with_suffix(".part")
+    part.write_text(json.dumps(content), "utf-8")
+    part.replace(path)
+
+
+def _load(path: Path) -> Any:
+    return json.loads(path.read_text("utf-8"))

@@ -1,0 +1,214 @@
+"""Runs of a few time units from one state: where particles go, and what that costs."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import shutil
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from lammps_skin.engine.engine import Motion
+from lammps_skin.errors import SceneError, SimulationError, SkinError
+from lammps_skin.model.scene import Scene
+from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.build import SCENE_FILE
+from lammps_skin.start.configuration import Configuration
+from lammps_skin.study.tradeoff.grid import REFERENCE, Variant, variant
+from lammps_skin.study.tradeoff.store import Reached, Store, Timing, digest, physics
+
+FINEST = "finest"  # the variant that stands for the truth
+FINER = 16  # how many times its timestep is shorter than that of the reference
+NEVER = 2_000_000_000  # steps between event steps, more than there are in a run: no events
+PIECES = 40  # of a run: how often the bar moves
+ROUNDS = 3  # in which the variants of a sitting take turns
+TOGETHER = 5  # variants of a sitting, besides the reference
+
+Progress = Callable[[str, float], None]
+
+
+class Laboratory:
+    """Measures variants of a scene from one state of it, and keeps the results.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+        Of the results.
+    start : Path, optional
+        Restart file, or run directory whose last restart file is taken; the start of the scene
+        if not given.
+    interval : float
+        Length of the runs in time units.
+
+    Raises
+    ------
+    SceneError
+        If there is no such restart file, or if it is that of another scene.
+    """
+
+    def __init__(
+        self, scene: Scene, folder: Path, start: Path | None = None, interval: float = 2.0
+    ) -> None:
+        self.scene = scene
+        self.interval = interval
+        self._given = None if start is None else restart_of(start, scene)
+        self.store = Store(folder)
+
+    @cached_property
+    def state(self) -> Path:
+        """Restart file from which all runs begin."""
+        if self._given is not None:
+            return self._given
+        path = self.store.path("state", "start", digest(physics(self.scene)), ".restart")
+        if not path.exists():
+            reference = variant(self.scene, REFERENCE, {"accuracy": REFERENCE})
+            part = path.with_suffix(".part")
+            with Simulation(_quiet(reference.scene), configuration=self._begun) as simulation:
+                simulation.command(f"write_restart {simulation.directory}/{path.name}")
+                shutil.copyfile(simulation.directory / path.name, part)
+            part.replace(path)
+        return path
+
+    @cached_property
+    def _begun(self) -> Configuration:
+        """What a directory is built from; its particles are replaced by those of the state."""
+        return Configuration.from_scene(self.scene)
+
+    @cached_property
+    def _state_hash(self) -> str:
+        return hashlib.sha256(self.state.read_bytes()).hexdigest()
+
+    def _key(self, one: Variant, *more: object) -> str:
+        numerics = one.scene.numerics.model_dump(mode="json", exclude={"accuracy"})
+        return digest(physics(one.scene), numerics, self._state_hash, self.interval, *more)
+
+    @contextmanager
+    def _simulation(self, one: Variant, events: bool) -> Iterator[Simulation]:
+        scene = _quiet(one.scene)
+        directory = self.store.folder / f"run-{one.name}"
+        variables = {"restart": "state.restart"}
+        if not events:
+            variables["event_interval"] = repr(NEVER * scene.numerics.timestep)
+            variables["rounding"] = "0"
+        shutil.rmtree(directory, ignore_errors=True)
+        try:
+            directory.mkdir()
+            shutil.copyfile(self.state, directory / "state.restart")
+            with Simulation(scene, directory, self._begun, variables=variables) as simulation:
+                yield simulation
+        except OSError as error:
+            raise SkinError(f"folder {directory}: {error.strerror}") from None
+        finally:
+            shutil.rmtree(directory, ignore_errors=True)
+
+    # ---- trajectories
+
+    def finest(self) -> Variant:
+        """The reference with a much shorter timestep."""
+        reference = {"accuracy": REFERENCE}
+        timestep = variant(self.scene, REFERENCE, reference).scene.numerics.timestep / FINER
+        return variant(self.scene, FINEST, {**reference, "timestep": timestep})
+
+    def reached_path(self, one: Variant) -> Path:
+        """Where it is kept what `reached` finds."""
+        return self.store.path("reached", one.name, self._key(one), ".npz")
+
+    def reached(self, one: Variant, progress: Progress | None = None) -> Reached:
+        """Where all particles are after the interval, without births, removals and their like."""
+        path = self.reached_path(one)
+        if not path.exists():
+            self.store.save_reached(path, self._reach(one, progress))
+        return self.store.load_reached(path)
+
+    def _reach(self, one: Variant, progress: Progress | None) -> Reached:
+        with self._simulation(one, events=False) as simulation:
+            begin = simulation.time
+            before = simulation.forces().ids
+
+            def report(now: float, _: Simulation) -> None:
+                if progress:
+                    progress(one.name, now - begin)
+
+            try:
+                simulation.run(begin + self.interval, report, every=self.interval / PIECES)
+            except SimulationError as error:
+                nobody = np.empty(0, int), np.empty((0, 3)), Motion(*[np.nan] * len(Motion._fields))
+                return Reached(*nobody, problem=str(error))
+            after = simulation.forces()
+            assert np.array_equal(after.ids, before), "an event in a run without events"
+            return Reached(after.ids, after.positions, simulation.motion())
+
+    # ---- time
+
+    def timing_path(self, one: Variant) -> Path:
+        """Where it is kept what `sit` finds."""
+        return self.store.path("timing", one.name, self._key(one, platform.node()), ".json")
+
+    def timing(self, one: Variant) -> Timing:
+        """What `sit` has found."""
+        return self.store.load_timing(self.timing_path(one))
+
+    def sittings(self, found: Sequence[Variant]) -> list[list[Variant]]:
+        """Those that have not been timed, in groups, each with the reference, the first, before."""
+        reference, *others = found
+        missing = [one for one in others if not self.timing_path(one).exists()]
+        groups = [missing[n : n + TOGETHER] for n in range(0, len(missing), TOGETHER)]
+        if not groups and not self.timing_path(reference).exists():
+            groups = [[]]
+        return [[reference, *group] for group in groups]
+
+    def sit(self, sitting: Sequence[Variant], progress: Progress | None = None) -> None:
+        """Let variants take turns, each from the state through all rounds, with all events."""
+        with ExitStack() as stack:
+            runs = [stack.enter_context(self._simulation(one, events=True)) for one in sitting]
+            begin = runs[0].time
+            seconds = np.full((ROUNDS, len(sitting)), np.nan)
+            problems = [""] * len(sitting)
+            for n in range(ROUNDS):
+                for m, (one, simulation) in enumerate(zip(sitting, runs, strict=True)):
+                    if not problems[m]:
+                        since = time.process_time()
+                        try:
+                            simulation.run(begin + (n + 1) * self.interval)
+                        except SimulationError as error:
+                            problems[m] = str(error)
+                        seconds[n, m] = (time.process_time() - since) / self.interval
+                    if progress:
+                        progress(one.name, (n + 1) * self.interval)
+        ratios = seconds / seconds[:, :1]
+        for one, own, ratio, problem in zip(sitting, seconds.T, ratios.T, problems, strict=True):
+            spread = float(np.ptp(ratio)) / 2
+            timing = Timing(float(np.median(own)), float(np.median(ratio)), spread, problem)
+            if problem:
+                timing = Timing(np.nan, np.nan, np.nan, problem)
+            self.store.save_timing(self.timing_path(one), timing)
+
+
+def _quiet(scene: Scene) -> Scene:
+    """Without output on the way."""
+    quiet = {"thermo_interval": scene.end_time, "dump_interval": 0.0, "checkpoint_interval": 0.0}
+    return scene.replace(output=quiet)
+
+
+def restart_of(start: Path, scene: Scene) -> Path:
+    """A restart file, or the last of a run directory, if it is one of this scene."""
+    found = [start]
+    if start.is_dir():
+        found = sorted(start.glob("skin.*.restart"), key=lambda path: path.stat().st_mtime)
+    if not found or not found[-1].is_file():
+        raise SceneError(f"--from {start}: neither a restart file nor a directory with one")
+    described = found[-1].parent / SCENE_FILE
+    if described.is_file():
+        own, other = physics(scene), physics(Scene.load(described))
+        for key, value in own.items():
+            if value != other[key]:
+                raise SceneError(
+                    f"--from {start}: is a run of another scene: {key} = {other[key]}, not {value}"
+                )
+    return found[-1].resolve()

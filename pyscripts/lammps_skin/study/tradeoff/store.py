@@ -1,0 +1,109 @@
+"""What has been measured, on disk: files that are named by a hash of all that they depend on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lammps_skin.engine.engine import Motion
+from lammps_skin.errors import SkinError
+from lammps_skin.model.scene import Scene
+from lammps_skin.versions import versions
+
+VERSION = 1  # to be raised when what is measured means something else
+NOT_FORCES = {"name", "description", "end_time", "output"}  # keys that no trajectory depends on
+
+
+class Reached(NamedTuple):
+    """Where all particles are at the end of an interval.
+
+    Attributes
+    ----------
+    ids : (n,) array
+    positions : (n, 3) array
+        In the periodic box.
+    motion : Motion
+        How they came there.
+    problem : str
+        Why there are none, or nothing.
+    """
+
+    ids: Any
+    positions: Any
+    motion: Motion
+    problem: str = ""
+
+
+class Timing(NamedTuple):
+    """CPU seconds of a time unit.
+
+    Attributes
+    ----------
+    seconds : float
+        Median of rounds.
+    ratio, spread : float
+        Over the seconds of the reference in the same round: median, and half of the difference
+        between the largest and the smallest.
+    problem : str
+        Why there are none, or nothing.
+    """
+
+    seconds: float
+    ratio: float
+    spread: float
+    problem: str = ""
+
+
+def physics(scene: Scene) -> dict[str, Any]:
+    """All keys that a state depends on: neither numerics nor output."""
+    return scene.model_dump(mode="json", exclude=NOT_FORCES | {"numerics", "parameters"})
+
+
+def digest(*content: object) -> str:
+    """Hash of plain data, and of the versions of LAMMPS, of the package and of the plugin."""
+    text = json.dumps([VERSION, versions(), *content], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+class Store:
+    """A folder of results; a file that is there is complete."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SkinError(f"folder {folder}: {error.strerror}") from None
+
+    def path(self, kind: str, name: str, key: str, suffix: str) -> Path:
+        """Where a result is."""
+        return self.folder / f"{kind}-{name}-{key}{suffix}"
+
+    def save_reached(self, path: Path, reached: Reached) -> None:
+        part = path.with_suffix(".part")
+        with part.open("wb") as file:
+            np.savez(
+                file, ids=reached.ids, positions=reached.positions,
+                motion=np.array(reached.motion), problem=np.array(reached.problem),
+            )  # fmt: skip
+        os.replace(part, path)
+
+    def load_reached(self, path: Path) -> Reached:
+        with np.load(path) as file:
+            motion = Motion(*file["motion"].tolist())
+            return Reached(file["ids"], file["positions"], motion, str(file["problem"]))
+
+    def save_timing(self, path: Path, timing: Timing) -> None:
+        part = path.with_suffix(".part")
+        part.write_text(json.dumps(timing._asdict()))
+        os.replace(part, path)
+
+    def load_timing(self, path: Path) -> Timing:
+        values: Mapping[str, Any] = json.loads(path.read_text())
+        return Timing(**values)
