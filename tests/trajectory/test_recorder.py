@@ -96,9 +96,9 @@ def test_what_is_given_to_lammps_is_in_the_file(run, tmp_path):
 
 
 def test_the_box_is_that_of_the_configuration(run, tmp_path):
-    """Which need not be that of the scene."""
+    """Which is that of the scene but for the digits with which it was written."""
     configuration = high_cells(run.scene)
-    configuration.box = np.array([*configuration.box[:2], 60.0])
+    configuration.box = configuration.box + np.array([-2e-4, 3e-4, 5e-4])
     build(run.scene, tmp_path, configuration)
     next(replay(run, Recorder(tmp_path, run.scene, {})))
     assert Store(tmp_path / "skin.h5")[0].edges.tolist() == configuration.box.tolist()

@@ -138,10 +138,12 @@ def test_command_converts(run, tmp_path, capsys):
 
 
 def test_what_cannot_be_converted_is_refused_in_one_line(run, tmp_path, capsys):
-    with pytest.raises(SystemExit) as end:
-        main(["convert", str(tmp_path / "nowhere")])
-    assert end.value.code == 2
-    assert "holds no built scene" in capsys.readouterr().err
+    (tmp_path / "empty").mkdir()
+    for name, why in [("nowhere", "No such file or directory"), ("empty", "holds no built scene")]:
+        with pytest.raises(SystemExit) as end:
+            main(["convert", str(tmp_path / name)])
+        assert end.value.code == 2
+        assert f"error: directory {tmp_path / name}: {why}" in capsys.readouterr().err
     broken = tmp_path / "broken"
     shutil.copytree(run.directory, broken)
     before = (broken / "skin.h5").read_bytes()

@@ -225,7 +225,8 @@ def find_resumption(directory: Path) -> Resumption:
             fault = _fault(directory, entry) or _fault_of_form(path)
         except OSError as error:
             raise SimulationError(
-                f"checkpoint {path}: {error.strerror}; it may be good, and no older one is taken"
+                f"checkpoint {path}: file {error.filename or path}: {error.strerror}; "
+                "it may be good, and no older one is taken"
             ) from None
         if fault is None:
             _check_inputs(directory, manifest, set())
