@@ -204,7 +204,7 @@ COMMAND_LINES = {
     ("check",): "Missing argument 'SCENE'.",
     ("check", "demo", "--parameters", "paper"): "parameters = 'paper': must be one of printed, pap",
     ("build", "demo"): "Missing option '-o' / '--output'.",
-    ("build", "bare-membrane", "-o", "file"): "directory file: File exists",
+    ("build", "bare-membrane", "-o", "file"): "directory file: Not a directory",
     ("scenes", "demo"): "Got unexpected extra argument(s) (demo)",
     ("evaluate",): "Missing argument 'FILE'.",
     ("evaluate", "missing.txt"): "configuration missing.txt: No such file or directory",

@@ -42,7 +42,7 @@ def test_a_description_gives_no_orders_and_has_one_line(skin, tmp_path):
 @pytest.mark.parametrize("columns", [80, 50])
 @pytest.mark.parametrize("name", ["quarter-nd-b", "no-dermis"])
 def test_keys_are_whole_in_narrow_terminals(name, columns, skin, monkeypatch):
-    monkeypatch.setenv("COLUMNS", str(columns))
+    monkeypatch.setattr(console, "width", columns)
     out = skin("check", name).out
     assert "…" not in out
     assert max(map(len, out.splitlines()[1:])) <= columns
@@ -52,7 +52,7 @@ def test_keys_are_whole_in_narrow_terminals(name, columns, skin, monkeypatch):
 
 
 def test_numbers_are_not_broken_in_narrow_terminals(capsys, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "30")
+    monkeypatch.setattr(console, "width", 30)
     print_table(["", *"abcdefg"], [["x", *["123456.7"] * 7]], right=True)
     assert capsys.readouterr().out.split("\n")[2].split()[1:] == ["123456.7"] * 7
 

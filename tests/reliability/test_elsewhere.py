@@ -297,6 +297,7 @@ def test_backend_and_style_of_matplotlib(here: Path) -> None:
         (f"checkpoint x: {os.strerror(errno.EDQUOT)}", "make room for its files"),
         ("a rank was killed (SIGKILL)", "when memory runs out"),
         ("trajectory x: Input/output error", "mend that, and resume the run"),
+        ("the run is unstable; the state that this run began with is like that", "change it or"),
     ],
 )
 def test_remedies(error: str, said: str, tmp_path: Path) -> None:

@@ -85,7 +85,17 @@ def test_directories_that_are_made_and_replaced(reason: int, tmp_path: Path) -> 
         Hold(new)
     with Hold(new, make=True):
         assert new.is_dir()
-    assert not new.exists()  # nothing was put there
+    assert not new.parent.exists()  # nothing was put there
+    with pytest.raises(SceneError, match="File name too long"):
+        Hold(new / ("x" * 300), make=True)
+    assert not new.parent.exists()
+    new.parent.mkdir()
+    with Hold(new, make=True):
+        pass
+    assert new.parent.is_dir() and not new.exists()  # was there before
+    with Hold(new, make=True):
+        (new.parent / "another").touch()
+    assert [path.name for path in new.parent.iterdir()] == ["another"]
     with Hold(new, make=True):
         (new / "file").touch()
         new.rename(tmp_path / "elsewhere")

@@ -29,7 +29,8 @@ class Hold:
     ----------
     directory : Path
     make : bool
-        Whether to make the directory if it is not there; it is removed if it is empty at the end.
+        Whether to make the directory, and those that it is in, if they are not there; those that
+        are empty at the end are removed.
 
     Attributes
     ----------
@@ -46,7 +47,7 @@ class Hold:
 
     def __init__(self, directory: str | Path, make: bool = False) -> None:
         self._directory = Path(directory)
-        self._made = False
+        self._made: list[Path] = []  # the innermost first
         deadline = time.monotonic() + PATIENCE
         try:
             while (descriptor := self._try(make)) is None:
@@ -56,6 +57,7 @@ class Hold:
                     )
                 time.sleep(0.05)
         except OSError as error:
+            self._remove_made()
             raise SceneError(f"directory {directory}: {error.strerror}") from None
         self.descriptor = descriptor
         _held.add(descriptor)
@@ -75,17 +77,22 @@ class Hold:
         """Let go of the directory."""
         if self.descriptor not in _held:
             return
-        if self._made:
-            with suppress(OSError):
-                self._directory.rmdir()
+        self._remove_made()
         _held.remove(self.descriptor)
         os.close(self.descriptor)
+
+    def _remove_made(self) -> None:
+        """Remove the directories that were made, up to the first in which there is something."""
+        for made in self._made:
+            with suppress(OSError):
+                made.rmdir()
 
     def _try(self, make: bool) -> int | None:
         """A descriptor, or None if somebody else holds the directory, or has just removed it."""
         if make and not self._directory.exists():
+            places = (self._directory, *self._directory.parents)
+            self._made = [place for place in places if not place.exists()]
             self._directory.mkdir(parents=True, exist_ok=True)
-            self._made = True
         opened = os.open(self._directory, os.O_RDONLY | os.O_DIRECTORY)
         try:
             fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -320,6 +320,8 @@ def remedy(error: str, directory: Path, timestep: float, shorter: float) -> str:
             "as the system does when memory runs out, or a batch system at its limits: resume the "
             "run, with more of them or on fewer ranks"
         )
+    if "the state that this run began with" in error:
+        return "change it or the scene"
     if "leaves the box" in error:
         return (
             f"numerics.timestep = {timestep:g}; try {shorter:.3g}, or, for a tissue that moves "

@@ -42,7 +42,7 @@ def test_what_is_printed(skin, run):
     answer = skin("stats", run)
     assert answer.code == 0 and "Traceback" not in answer.err
     first, *lines = answer.out.splitlines()
-    assert first == "tiny, papilla, seed 1: 7 frames, t = 0 to 3 of 3"
+    assert first == "tiny, papilla, seed 1: 7 frames, t = 0 to 3"
     words = {line.split()[0] for line in lines if line.strip()}
     assert {"ta", "coverage", "births", "clone", "zeta", "stretch", "total"} <= words
     assert "nan" not in answer.out

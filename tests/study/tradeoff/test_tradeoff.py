@@ -8,10 +8,8 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.study.ensemble import Member
 from lammps_skin.study.tradeoff.measure import Laboratory
 
-SCENE = (
-    "tiny.toml", "--set", "output.dump_interval=1.0", "--grid", "levels",
-    "--set", "cells.cycle_delay=20.0", "--interval", 1,
-)  # fmt: skip
+GRID = ("tiny.toml", "--grid", "levels", "--set", "cells.cycle_delay=20.0", "--interval", 1)
+SCENE = (*GRID, "--set", "output.dump_interval=1.0")
 
 
 def rows(path):
@@ -47,7 +45,8 @@ def test_quick(skin, tmp_path):
 
 def test_ensembles(skin, tmp_path):
     """Runs of the reference are there, and those of the other levels are made."""
-    short = [*SCENE[:3], "--set", "end_time=2.0", "--grid", "levels", "--interval", 0.5]
+    short = ["tiny.toml", "--set", "output.dump_interval=1.0", "--set", "end_time=2.0",
+             "--grid", "levels", "--interval", 0.5]  # fmt: skip
     scene = Scene.load("tiny.toml").replace(**{"output.dump_interval": 1.0, "end_time": 2.0})
     for seed in (1, 2):
         Member(scene.replace(seed=seed), tmp_path / "many").run()
@@ -71,7 +70,7 @@ def test_interrupted(skin, monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    short = (*SCENE[:-1], 0.5, "--quick")
+    short = (*SCENE, "--interval", 0.5, "--quick")
     with monkeypatch.context() as patched:
         patched.setattr(Laboratory, "sit", interrupt)
         answer = skin("tradeoff", *short)
@@ -88,7 +87,10 @@ def test_interrupted(skin, monkeypatch):
         (("--variant", "slow:speed=3"), "variant slow: numerics.speed = 3: unknown key"),
         (("--variant", "slow:timestep=-1"), "variant slow: numerics.timestep = -1: must be"),
         (("--variant", "slow:timestep=0.3"), "numerics.timestep = 0.3: must divide the interval"),
-        (("--variant", "slow:timestep=0.7"), "numerics.timestep = 0.7: must divide the interval"),
+        (
+            ("--variant", "slow:timestep=0.7", "--set", "output.dump_interval=1.0"),
+            "numerics.timestep = 0.7: must divide the interval",
+        ),
         (("--variant", "fast:timestep=0.5"), "variant fast: there is one of this name already"),
         (("--variant", "s/l:timestep=0.5"), "variant 's/l': the name must be"),
         (("--interval", "0"), "--interval 0: must be above 0"),
@@ -102,7 +104,7 @@ def test_interrupted(skin, monkeypatch):
     ],
 )
 def test_refused(skin, tmp_path, options, message):
-    answer = skin("tradeoff", *SCENE, *options)
+    answer = skin("tradeoff", *GRID, *options)
     assert answer.code == 2
     assert message in answer.err
     assert answer.err.startswith("error: ") and answer.err.count("\n") == 1
