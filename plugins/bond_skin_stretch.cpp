@@ -356,11 +356,12 @@ double BondSkinStretch::equilibrium_distance(int i)
 
 void BondSkinStretch::write_restart(FILE *fp)
 {
-  const size_t n = atom->nbondtypes;
-  for (int k = 0; k < NCOEFFS; k++)
-    if (fwrite(&coeffs[k][1], sizeof(double), n, fp) != n)
+  for (int i = 1; i <= atom->nbondtypes; i++) {
+    const Coefficients c = of_type(i);
+    if (fwrite(c.data(), sizeof(double), NCOEFFS, fp) != NCOEFFS)
       error->one(FLERR, "Bond skin/stretch: cannot write to the restart file: {}",
                  utils::getsyserror());
+  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -369,14 +370,14 @@ void BondSkinStretch::read_restart(FILE *fp)
 {
   allocate();
 
-  const int n = atom->nbondtypes;
-  for (int k = 0; k < NCOEFFS; k++) {
+  for (int i = 1; i <= atom->nbondtypes; i++) {
+    Coefficients c;
     if (comm->me == 0)
-      utils::sfread(FLERR, &coeffs[k][1], sizeof(double), n, fp, nullptr, error);
-    MPI_Bcast(&coeffs[k][1], n, MPI_DOUBLE, 0, world);
+      utils::sfread(FLERR, c.data(), sizeof(double), NCOEFFS, fp, nullptr, error);
+    MPI_Bcast(c.data(), NCOEFFS, MPI_DOUBLE, 0, world);
+    for (int k = 0; k < NCOEFFS; k++) coeffs[k][i] = c[k];
+    setflag[i] = 1;
   }
-
-  for (int i = 1; i <= atom->nbondtypes; i++) setflag[i] = 1;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -49,8 +49,10 @@ void PairSkin::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
 
+  const bool built = build.is_new(neighbor);
+  if (built) contacts.clear();    // of the former build, whose indices are no more
   if (!kinds_known) find_kinds();
-  if (build.is_new(neighbor)) contacts.build();
+  if (built) contacts.build();
 
   least.assign(of_kind.size(), INFINITY);
   for (size_t kind = 0; kind < of_kind.size(); kind++) {

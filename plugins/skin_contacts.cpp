@@ -30,8 +30,10 @@ void SkinContacts::regroup()
   std::vector<std::vector<SkinTwo>> listed(distances.size());
   std::swap(listed, of_kind);
   for (const std::vector<SkinTwo> &pairs : listed)
-    for (const SkinTwo &pair : pairs)
-      of_kind[kinds[atom->type[pair[0]] * (ntypes + 1) + atom->type[pair[1]]]].push_back(pair);
+    for (const SkinTwo &pair : pairs) {
+      const int kind = kinds[atom->type[pair[0]] * (ntypes + 1) + atom->type[pair[1]]];
+      if (kind >= 0) of_kind[kind].push_back(pair);
+    }
 }
 
 /* ---------------------------------------------------------------------- */

@@ -214,6 +214,37 @@ def test_fix_adapt_as_of_stock(style: str) -> None:
     assert found[1] == pytest.approx(found[0], rel=1e-11)
 
 
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_fix_adapt_while_lists_change(ranks: int, tmp_path: Path) -> None:
+    """Of one pair of types alone, on each step, while atoms are sorted and change their ranks."""
+    found = []
+    for style, which, part in (("lj/cut", "epsilon", 1 / 12), ("skin/lj", "K", 1.0)):
+        folder = tmp_path / style.replace("/", "-")
+        folder.mkdir()
+        setting = "lj/cut 1.0" if style == "lj/cut" else style
+        script = gas_script(
+            folder,
+            f"""
+            pair_style hybrid/overlay {setting} soft 1.0
+            pair_coeff * * soft 0.1
+            pair_coeff 1 2 {style} {stated(style, *ALL)}
+            pair_coeff 3 3 {style} {stated(style, *OTHER)}
+            """,
+            f"""
+            log {folder}/log.lammps
+            neigh_modify every 2 delay 0 check no
+            atom_modify sort 1 1.0
+            variable k equal {part!r}*(0.2+0.02*step)
+            fix change all adapt 1 pair {style} {which} 1 2 v_k
+            """,
+        )
+        run_script(folder, script, ranks=ranks)
+        found.append(numbers(folder))
+    for want, got in zip(*found, strict=True):
+        scale = np.abs(want).max(axis=0)
+        np.testing.assert_allclose(got / scale, want / scale, rtol=0, atol=1e-11)
+
+
 COEFFICIENTS = {
     "skin/lj": {"K": 0.5, "contact": 1.1, "range": 1.6},
     "skin/dermis": {"K": 0.5, "contact": 1.2, "a1": 0.3, "d1": 0.97, "range": 1.5},
@@ -258,7 +289,7 @@ def test_all_coefficients_can_change(style: str, which: str) -> None:
             "contact 1 2 v_two",
             "types 1 and 2 have the range 3.2 on step 0, but neighbor lists .* 1.76",
         ),
-        ("sigma 1 2 v_two", "adapt"),
+        ("sigma 1 2 v_two", "Fix adapt pair style skin/lj param sigma not supported"),
     ],
 )
 def test_what_they_cannot_become(change: str, message: str, tmp_path: Path) -> None:
