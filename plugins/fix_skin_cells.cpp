@@ -65,7 +65,7 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
 
 FixSkinCells::~FixSkinCells()
 {
-  if (modify->get_fix_by_id(id) == this) leave_record();
+  if (is_first()) leave_record();
   atom->delete_callback(id, Atom::GROW);
   memory->destroy(array_atom);
 }
@@ -105,6 +105,7 @@ void FixSkinCells::init()
 
   refresh_state();
   check_others();
+  take_record();
   skip_used_ids();
   for (int i = 0; i < atom->nlocal; i++) check_cell(i);
   check_pairs();
@@ -196,6 +197,15 @@ void FixSkinCells::end_of_step()
 }
 
 /* ----------------------------------------------------------------------
+   what ended at the start of a run without steps
+------------------------------------------------------------------------- */
+
+void FixSkinCells::post_run()
+{
+  log.begin_if_waiting();
+}
+
+/* ----------------------------------------------------------------------
    what must outlive a restart besides the per-atom properties
 ------------------------------------------------------------------------- */
 
@@ -244,30 +254,55 @@ void FixSkinCells::from_restart(const double *list)
   log_position = (bigint) list[4];
 }
 
-/* ----------------------------------------------------------------------
-   go on from where an earlier fix skin/cells of these atoms was unfixed
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
 void FixSkinCells::post_constructor()
 {
-  auto *record = dynamic_cast<FixSkinCellsRecord *>(modify->get_fix_by_id(FixSkinCellsRecord::ID));
-  if (!record) {
+  if (!find_record())
     modify->add_fix(fmt::format("{} all {}", FixSkinCellsRecord::ID, FixSkinCellsRecord::STYLE));
-  } else if (!record->values.empty()) {
-    from_restart(record->values.data());
-    if (record->log != log.path()) log_position = -1;
-    record->values.clear();
-  }
+  if (is_first()) take_record();
+}
+
+/* ----------------------------------------------------------------------
+   of several fixes skin/cells, of which none can run, the first alone may have run before
+------------------------------------------------------------------------- */
+
+bool FixSkinCells::is_first() const
+{
+  const auto all = modify->get_fix_by_style("^skin/cells$");
+  return !all.empty() && all.front() == this;
+}
+
+/* ---------------------------------------------------------------------- */
+
+FixSkinCellsRecord *FixSkinCells::find_record() const
+{
+  return dynamic_cast<FixSkinCellsRecord *>(modify->get_fix_by_id(FixSkinCellsRecord::ID));
+}
+
+/* ----------------------------------------------------------------------
+   go on from where an earlier fix skin/cells of these atoms was unfixed, which may have been after
+   this one was defined
+------------------------------------------------------------------------- */
+
+void FixSkinCells::take_record()
+{
+  FixSkinCellsRecord *const record = find_record();
+  if (!record || record->values.empty()) return;
+  from_restart(record->values.data());
+  if (record->log != log.path()) log_position = -1;
+  record->values.clear();
 }
 
 /* ---------------------------------------------------------------------- */
 
 void FixSkinCells::leave_record()
 {
-  auto *record = dynamic_cast<FixSkinCellsRecord *>(modify->get_fix_by_id(FixSkinCellsRecord::ID));
+  take_record();
+  FixSkinCellsRecord *const record = find_record();
   if (!record) return;
   record->values = {RESTART_FORMAT, (double) next_id, (double) births, (double) deaths,
-                    (double) log.position()};
+                    (double) log.position(log_position)};
   record->log = log.path();
 }
 

@@ -29,6 +29,7 @@ class FixSkinCells : public Fix {
   void min_pre_neighbor() override;
   void min_pre_reverse(int, int) override;
   void end_of_step() override;
+  void post_run() override;
   void write_restart(FILE *) override;
   void restart(char *) override;
   void grow_arrays(int) override;
@@ -109,10 +110,14 @@ class FixSkinCells : public Fix {
   double now() const;
   std::vector<double> to_restart();
   void from_restart(const double *);
+  bool is_first() const;
+  class FixSkinCellsRecord *find_record() const;
+  void take_record();
   void leave_record();
 
   // atoms that come, go and change places
 
+  bool state_is_read() const;
   void set_row(int, const double *);
   void take_up(int);
   void list_cells();

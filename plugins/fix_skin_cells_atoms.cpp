@@ -6,11 +6,14 @@
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
+#include "input.h"
 #include "memory.h"
+#include "modify.h"
 #include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
+#include <cstring>
 
 using namespace LAMMPS_NS;
 
@@ -31,13 +34,28 @@ void FixSkinCells::copy_arrays(int i, int j, int /*delflag*/)
 }
 
 /* ----------------------------------------------------------------------
+   whether atoms are now added from a data file whose section says their state
+------------------------------------------------------------------------- */
+
+bool FixSkinCells::state_is_read() const
+{
+  if (std::strcmp(input->command, "read_data") != 0) return false;
+  for (int k = 0; k + 1 < input->narg; k++) {
+    if (std::strcmp(input->arg[k], "fix") != 0) continue;
+    const Fix *const fix = modify->get_fix_by_id(input->arg[k + 1]);
+    if (fix && utils::strmatch(fix->style, "^property/atom")) return true;
+  }
+  return false;
+}
+
+/* ----------------------------------------------------------------------
    a new atom; fix property/atom leaves it what its place in the arrays had before
 ------------------------------------------------------------------------- */
 
 void FixSkinCells::set_arrays(int i)
 {
   set_row(i, nullptr);
-  if (state.refresh(atom).empty()) state.clear(i);
+  if (state.refresh(atom).empty() && !state_is_read()) state.clear(i);
 }
 
 /* ---------------------------------------------------------------------- */

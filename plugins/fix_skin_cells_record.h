@@ -19,7 +19,7 @@ class FixSkinCellsRecord : public Fix {
   FixSkinCellsRecord(class LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg) {}
   int setmask() override { return 0; }
 
-  std::vector<double> values;    // as in a restart file; none while there is a fix skin/cells
+  std::vector<double> values;    // as in a restart file; none once a fix skin/cells has taken them
   std::string log;               // the event log whose length is among them
 };
 

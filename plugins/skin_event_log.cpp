@@ -70,6 +70,13 @@ void SkinEventLog::begin()
 
 /* ---------------------------------------------------------------------- */
 
+void SkinEventLog::begin_if_waiting()
+{
+  if (!waiting.empty()) begin();
+}
+
+/* ---------------------------------------------------------------------- */
+
 void SkinEventLog::write(double time, const char *kind, tagint id, tagint parent, int type,
                          const double *x, int divisions_left, const char *cause)
 {
@@ -101,9 +108,10 @@ bigint SkinEventLog::sync()
 
 /* ---------------------------------------------------------------------- */
 
-bigint SkinEventLog::position() const
+bigint SkinEventLog::position(bigint told) const
 {
-  return fp && begun ? ftell(fp) : start;
+  if (!fp) return told;
+  return begun ? ftell(fp) : start;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -25,6 +25,10 @@ class SkinEventLog : protected Pointers {
 
   void begin();
 
+  // the same, but only if something has happened
+
+  void begin_if_waiting();
+
   void write(double time, const char *kind, tagint id, tagint parent, int type, const double *x,
              int divisions_left, const char *cause);
 
@@ -36,9 +40,9 @@ class SkinEventLog : protected Pointers {
 
   bigint sync();
 
-  // where it stands, as for open(), and the full name of its file
+  // where it stands, which is where it was told to until open(), and the full name of its file
 
-  bigint position() const;
+  bigint position(bigint told) const;
   std::string path() const;
 
  private:

@@ -1,6 +1,7 @@
 """The pair styles of the plugin: against the numpy model, stock styles, and their own energies."""
 
 import re
+import struct
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -267,6 +268,36 @@ def test_coefficients_survive_files(style: str, tmp_path: Path) -> None:
     assert abs(energies[0]) > 1e-3
     assert energies[1] == energies[0]
     assert energies[2] == pytest.approx(energies[0], rel=1e-12)
+
+
+def test_links_in_restart_files(tmp_path: Path) -> None:
+    """Coefficients of one type after those of another, as in all restart files so far."""
+    engine = open_lammps(["-log", "none"])
+    engine.commands_string(
+        f"""
+        units lj
+        atom_style molecular
+        region box block 0 8 0 8 0 8
+        create_box 1 box bond/types 2
+        mass 1 1
+        create_atoms 1 single 4 4 4
+        bond_style skin/stretch
+        bond_coeff 1 0.1 2.0 1.5 0.25 1.0
+        bond_coeff 2 0.2 2.5 1.25 0.5 0.75
+        special_bonds lj/coul 0.0 1.0 1.0
+        write_restart {tmp_path}/state
+        clear
+        read_restart {tmp_path}/state
+        write_data {tmp_path}/data
+    """
+    )
+    engine.close()
+    stored = struct.pack("<10d", 0.1, 2.0, 1.5, 0.25, 1.0, 0.2, 2.5, 1.25, 0.5, 0.75)
+    assert stored in (tmp_path / "state").read_bytes()
+    rows = re.findall(r"^([12]) (.*)$", (tmp_path / "data").read_text().split("Bond Coeffs")[1],
+                      re.MULTILINE)  # fmt: skip
+    found = [[float(word) for word in values.split()] for _, values in rows[:2]]
+    assert found == [[0.1, 2.0, 1.5, 0.25, 1.0], [0.2, 2.5, 1.25, 0.5, 0.75]]
 
 
 def test_two_particles_far_and_near(tmp_path: Path) -> None:
