@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from lammps_skin.engine.engine import one_line, open_lammps
+from lammps_skin.engine.engine import lammps_message, open_lammps
 
 PROPERTIES = (
     "i_divisions_left i_divisions_done i_parent i_pair "
@@ -59,7 +59,7 @@ def start(lammps: Any, setting: dict[str, str], arguments: dict[str, str], seed:
 def error_of(lammps: Any, *arguments: Any, **more: Any) -> str:
     with pytest.raises(Exception) as error:
         start(lammps, *arguments, **more)
-    return one_line(str(error.value))
+    return lammps_message(str(error.value))
 
 
 def test_setting_is_right(lammps: Any) -> None:

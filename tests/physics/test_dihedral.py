@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from lammps_skin.engine.engine import one_line, open_lammps
+from lammps_skin.engine.engine import lammps_message, open_lammps
 from model_states import membrane, small_scene
 from numpy_model import Floats, Ints, State, energies_and_forces, named, triangular_lattice
 
@@ -328,7 +328,7 @@ def test_degenerate_triangle(tmp_path: Path, ranks: int) -> None:
     run = run_lmp(tmp_path, script, ranks)
     assert run.returncode != 0
     log = (tmp_path / "log").read_text().splitlines()
-    error = one_line(next(line for line in log if "ERROR" in line))
+    error = lammps_message(next(line for line in log if "ERROR" in line))
     assert error.startswith("Dihedral skin/bend: the triangle of atoms ")
     assert {int(word) - 1 for word in error.split()[6:9]} == corners
     assert error.endswith(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hypothesis import strategies as st
-from lammps_skin.engine.engine import one_line, open_lammps
+from lammps_skin.engine.engine import lammps_message, open_lammps
 from lammps_skin.errors import SkinError
 from lammps_skin.model.scene import Scene
 from lammps_skin.start.build import to_toml
@@ -215,7 +215,7 @@ def try_fix(damage: list[tuple[str, float, str]]) -> Outcome:
         except Exception as error:
             import sys
 
-            print(f"error: {one_line(str(error))}", file=sys.stderr)
+            print(f"error: {lammps_message(str(error))}", file=sys.stderr)
             return 2
         finally:
             lammps.close()

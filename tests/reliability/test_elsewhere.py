@@ -89,6 +89,19 @@ def test_variables_of_a_batch_system(environment: dict[str, str], here: Path) ->
     assert_runs("--ranks", "2", **environment)
 
 
+def test_settings_of_the_user_reach_the_ranks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What another mpirun has left does not."""
+    settings = ("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_btl",
+                "PMIX_MCA_gds", "MPIR_CVAR_DEBUG_SUMMARY")  # fmt: skip
+    left = ("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "OMPI_UNIVERSE_SIZE", "PMIX_RANK",
+            "OMPI_APP_CTX_NUM_PROCS", "OMPI_MCA_ess_base_vpid", "OMPI_MCA_orte_hnp_uri",
+            "PMIX_NAMESPACE", "PMIX_SERVER_URI3", "PMI_RANK", "SLURM_PROCID")  # fmt: skip
+    for name in (*settings, *left):
+        monkeypatch.setenv(name, "1")
+    passed = ranks._environment()
+    assert [name for name in (*settings, *left) if name in passed] == [*settings]
+
+
 def test_under_mpirun(here: Path) -> None:
     command = [str(BIN / "mpirun"), "-launcher", "fork", "-np", "2", SKIN]
     ended = subprocess.run(
@@ -185,6 +198,29 @@ simulation.run(until=1e5)
     assert_ended("orphaned-ranks")
 
 
+def test_an_mpirun_that_outlives_a_rank(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One of two ranks goes, and nobody ends the other."""
+    waiting = here / "mpirun"
+    waiting.write_text(f"""#!{sys.executable}
+import os, sys, time
+from multiprocessing.connection import Client
+key = bytes.fromhex(os.environ["LAMMPS_SKIN_WORKER_KEY"])
+both = []
+for rank in range(2):
+    both.append(Client("\\0" + sys.argv[-1], "AF_UNIX", authkey=key))
+    both[rank].send(rank)
+both[1].close()
+time.sleep(600)
+""")
+    waiting.chmod(0o755)
+    monkeypatch.setattr(ranks, "_mpirun", lambda: str(waiting))
+    monkeypatch.setattr(ranks, "CLEARANCE", 0.1)
+    monkeypatch.setattr(ranks, "GRACE", 0.1)
+    with pytest.raises(SimulationError, match="a rank has ended, and mpirun did not end the oth"):
+        RankedEngine(2, 1, here)
+    assert not processes_with(str(waiting))
+
+
 # ---- memory
 
 
@@ -241,26 +277,26 @@ def test_no_control_groups(tmp_path: Path) -> None:
 # ---- settings of the user
 
 
-def test_numbers_have_points_whatever_the_locale(here: Path) -> None:
-    """Also where the user's program has set another one, in which 0.25 would be 0."""
+@pytest.mark.parametrize("language", ["de_DE", "fr_FR"])
+def test_numbers_and_months_are_english_whatever_the_locale(language: str, here: Path) -> None:
+    """Where the user's program has set another one: 0.25 would be 0, and Jul no month."""
     if not shutil.which("localedef"):
         pytest.skip("there is no localedef")
-    made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", "de_DE.UTF-8"],
-                          env={**os.environ, "I18NPATH": "/usr/share/i18n"},
-                          cwd=here, capture_output=True)  # fmt: skip
-    built = subprocess.run(
-        ["localedef", "-i", "de_DE", "-f", "UTF-8", str(here / "de_DE.UTF-8")], capture_output=True
+    name = f"{language}.UTF-8"
+    made = subprocess.run(
+        ["localedef", "-i", language, "-f", "UTF-8", str(here / name)], capture_output=True
     )
-    if built.returncode and made.returncode:
-        pytest.skip("there is no German locale")
-    code = """
+    if made.returncode:
+        pytest.skip(f"there is no locale {name}")
+    code = f"""
 import locale
-locale.setlocale(locale.LC_ALL, "de_DE.UTF-8")
+locale.setlocale(locale.LC_ALL, "{name}")
 assert locale.localeconv()["decimal_point"] == ","
 from lammps_skin import Simulation
 with Simulation("scene.toml", "run") as simulation:
     simulation.run()
     simulation.command("variable half equal 0.5")
+with Simulation.resume("run") as simulation:
     print(simulation.timestep, simulation.time)
 assert locale.localeconv()["decimal_point"] == ","
 """

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.engine.engine import one_line, open_lammps
+from lammps_skin.engine.engine import lammps_message, open_lammps
 from lammps_skin.errors import SimulationError
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import memory
@@ -120,7 +120,7 @@ def test_ids_run_out(lammps: Any, tmp_path: Path) -> None:
     start(lammps, tmp_path / "events.csv", first_id=LARGEST_ID - STEM - 99)
     with pytest.raises(Exception) as error:
         lammps.command("run 100")
-    text = one_line(str(error.value))
+    text = lammps_message(str(error.value))
     expected = rf"Fix skin/cells: out of atom IDs on step \d+, the largest is {LARGEST_ID}"
     assert re.fullmatch(expected, text), text
     lammps.command("clear")

@@ -163,6 +163,18 @@ def test_in_memory(run, path, how, frames):
         HOWS[how](path).transfer_to_memory(5, 5)
 
 
+def test_boxes_in_memory(run, tmp_path):
+    """Each frame keeps its own."""
+    path = tmp_path / "skin.h5"
+    shutil.copy(run.directory / "skin.h5", path)
+    heights = 40.0 + np.arange(FRAMES)
+    with h5py.File(path, "r+") as file:
+        file["particles/trajectory/box/edges/value"][:, 2] = heights
+    universe = open_trajectory(path)
+    universe.transfer_to_memory()
+    assert [ts.dimensions[2] for ts in universe.trajectory] == heights.tolist()
+
+
 def test_in_memory_from_the_start(run, path):
     universe = MDAnalysis.Universe(str(path), in_memory=True)
     assert counts(universe) == expected(run)

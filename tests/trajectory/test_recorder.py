@@ -22,7 +22,6 @@ from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.run.simulation import Simulation
-from lammps_skin.start.build import build
 from lammps_skin.trajectory import writer as writer_module
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.frame import CELL_STATE
@@ -95,13 +94,22 @@ def test_what_is_given_to_lammps_is_in_the_file(run, tmp_path):
         assert dict(file["parameters/variables"].attrs) == {"seed": "77", "dump_interval": "0.25"}
 
 
-def test_the_box_is_that_of_the_configuration(run, tmp_path):
-    """Which is that of the scene but for the digits with which it was written."""
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_the_box_is_that_of_the_run(run, tmp_path, ranks):
+    """That of the scene but for the digits with which it was written, until a command changes it."""
     configuration = high_cells(run.scene)
     configuration.box = configuration.box + np.array([-2e-4, 3e-4, 5e-4])
-    build(run.scene, tmp_path, configuration)
-    next(replay(run, Recorder(tmp_path, run.scene, {})))
-    assert Store(tmp_path / "skin.h5")[0].edges.tolist() == configuration.box.tolist()
+    x, y, z = configuration.box.tolist()
+    with Simulation(run.scene, tmp_path, configuration, ranks=ranks) as simulation:
+        simulation.run(until=0.5)
+        (tmp_path / "skin.data").unlink()  # nobody needs it any more
+        simulation.command("change_box all z final 0 60")
+        simulation.run(until=1.0)
+        simulation.command("change_box all z final -1 60")
+        with pytest.raises(SkinError, match="the box does not begin at the origin, or is tilted"):
+            simulation.run(until=1.5)
+    boxes = [frame.edges.tolist() for frame in Store(tmp_path / "skin.h5")]
+    assert boxes == [[x, y, z], [x, y, z], [x, y, 60.0]]
 
 
 def history(path: Path) -> list[tuple[int, float, str]]:

@@ -200,6 +200,14 @@ class Engine:
         """Length of a step."""
         return float(self._lammps.extract_global("dt"))
 
+    def box(self) -> tuple[float, float, float]:
+        """Sides of the box; raises `SimulationError` for one that a frame cannot have."""
+        low, high, *tilts = self._guard(self._lammps.extract_box)[:5]
+        if any(low) or any(tilts):
+            raise SimulationError("the box does not begin at the origin, or is tilted")
+        x, y, z = high
+        return float(x), float(y), float(z)
+
     def run_to(self, step: int, restart_file: bool = False) -> None:
         """Advance to a step; where a run stops on its way leaves no trace in its results.
 
@@ -293,10 +301,10 @@ class Engine:
         try:
             return function(*arguments)
         except Exception as error:
-            raise SimulationError(one_line(str(error))) from None
+            raise SimulationError(lammps_message(str(error))) from None
 
 
-def one_line(text: str) -> str:
+def lammps_message(text: str) -> str:
     """LAMMPS' message without the place in its source and the command that follows."""
     text = text.strip("'\"").split("Last input line")[0].split("Last command")[0]
     text = re.sub(r"\(?src/[^)\s]*:\d+\)?|\([\w/.-]+\.cpp:\d+\)", "", text)

@@ -18,18 +18,24 @@ from multiprocessing.connection import Connection, Listener, wait
 from pathlib import Path
 from typing import Any
 
-from lammps_skin.engine.engine import one_line
+from lammps_skin.engine.engine import lammps_message
 from lammps_skin.engine.worker import KEY
 from lammps_skin.errors import SimulationError
 
 GRACE = 2.0  # seconds that the other ranks have to report the same error
 PATIENCE = 120.0  # seconds for the next rank to start
+CLEARANCE = 20.0  # seconds for mpirun to end all ranks when one has ended
 SHARED = Path("/dev/shm")  # where the ranks of MPICH exchange messages
 SHARED_MEMORY = 2e6  # bytes of it without which a rank cannot begin
-# what batch systems and other mpiruns leave: ours would start ranks elsewhere, or join theirs
+# what batch systems and other mpiruns leave: ours would start ranks elsewhere, or join theirs;
+# of Open MPI and PMIx not what users set: OMPI_ALLOW_RUN_AS_ROOT, OMPI_MCA_btl, PMIX_MCA_gds
 LAUNCHERS = (
-    "SLURM_", "PMI_", "PMIX_", "MPI_LOCAL", "MPIEXEC_", "HYDRA_", "HYDI_", "OMPI_", "PALS_",
-    "PBS_", "LSB_", "LOADL_", "COBALT_", "SGE_", "PE_HOSTFILE",
+    "SLURM_", "PMI_", "MPI_LOCAL", "MPIEXEC_", "HYDRA_", "HYDI_", "PALS_", "PBS_", "LSB_",
+    "LOADL_", "COBALT_", "SGE_", "PE_HOSTFILE",
+    "OMPI_APP_", "OMPI_ARGV", "OMPI_COMM", "OMPI_FILE_", "OMPI_FIRST_", "OMPI_MCA_ess",
+    "OMPI_MCA_orte", "OMPI_MCA_pmix", "OMPI_NUM_", "OMPI_UNIVERSE_",
+    "PMIX_BFROP_", "PMIX_DSTORE_", "PMIX_GDS_", "PMIX_HOSTNAME", "PMIX_ID", "PMIX_NAMESPACE",
+    "PMIX_PTL_", "PMIX_RANK", "PMIX_SECURITY_", "PMIX_SERVER_", "PMIX_SYSTEM_", "PMIX_VERSION",
 )  # fmt: skip
 COUNTS = (
     ("PMI_RANK", "PMI_SIZE"),
@@ -116,12 +122,12 @@ class RankedEngine:
         while waiting.is_alive():
             waiting.join(0.05)
             if self._process.poll() is not None:
-                said = one_line(self._printed()) or "it does not say why"
+                said = lammps_message(self._printed()) or "it does not say why"
                 raise SimulationError(f"mpirun could not start {ranks} ranks: {said}")
             if time.monotonic() - latest > PATIENCE:
                 raise SimulationError(
                     f"mpirun has started {len(connections)} of {ranks} ranks, and no other within "
-                    f"{PATIENCE:g} s: {one_line(self._printed()) or 'it does not say why'}"
+                    f"{PATIENCE:g} s: {lammps_message(self._printed()) or 'it does not say why'}"
                 )
         return [connections[rank] for rank in range(ranks)]
 
@@ -136,8 +142,11 @@ class RankedEngine:
                 connection.send((method, arguments))
             replies = self._replies()
         except (EOFError, OSError):
-            self._process.wait()
-            raise SimulationError(self._last_error()) from None
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(CLEARANCE)
+            code = self._process.poll()
+            self._end()
+            raise SimulationError(self._last_error(code)) from None
         for succeeded, result in replies.values():
             if not succeeded:
                 raise SimulationError(result)
@@ -156,16 +165,17 @@ class RankedEngine:
             replies |= {c: c.recv() for c in waiting if c in ready}
         return replies
 
-    def _last_error(self) -> str:
-        """How the ranks have ended."""
-        code = self._process.returncode
+    def _last_error(self, code: int | None) -> str:
+        """How the ranks have ended; the code of mpirun is None if it had to be ended."""
         for number, text in ENDED.items():
             if code in (number, 128 + number, -number):
                 return f"a rank {text} ({number.name})"
         for said in (self._printed(), self._logged_since()):
             errors = [line for line in said.splitlines() if "ERROR" in line]
             if errors:
-                return one_line(errors[0])
+                return lammps_message(errors[0])
+        if code is None:
+            return "a rank has ended, and mpirun did not end the others"
         return f"a rank ended with code {code}"
 
     def _printed(self) -> str:

@@ -122,7 +122,7 @@ class FrameReader(ReaderBase):  # type: ignore[misc]
         positions, boxes, moments = [], [], []
         for ts in ProgressBar(self[start:stop:step], verbose=verbose, desc="Loading frames"):
             positions.append(ts.positions.copy())
-            boxes.append(ts.dimensions)
+            boxes.append(ts.dimensions.copy())
             moments.append(ts.data.copy())
         if not moments:
             raise SkinError(f"frames {start}:{stop}:{step}: there are none of {self.n_frames}")

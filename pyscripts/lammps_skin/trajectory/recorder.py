@@ -12,7 +12,6 @@ from typing import Any
 from lammps_skin.errors import DamagedError, SkinError
 from lammps_skin.files import set_aside
 from lammps_skin.model.scene import Scene
-from lammps_skin.start.data_file import box_sides
 from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.dump import Dump
@@ -67,10 +66,8 @@ class Recorder:
             if self._last_step is None:
                 self._last_step = self._begin(step, engine.time())
             if due and step != self._last_step:
-                sides = box_sides(self.path.parent / "skin.data")
-                self._add(
-                    Frame.of_engine(step, engine.time(), sides, engine.forces(), engine.cells())
-                )
+                state = engine.box(), engine.forces(), engine.cells()
+                self._add(Frame.of_engine(step, engine.time(), *state))
                 self._last_step = step
         except OSError as error:
             raise self._failure(error) from None
