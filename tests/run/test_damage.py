@@ -256,6 +256,15 @@ def test_the_trajectory_is_damaged(
     assert all(map(same, found, frames))
 
 
+def test_a_start_that_fails_tells_what_was_set_aside(run: Path) -> None:
+    (run / "skin.h5.next").unlink(missing_ok=True)
+    cut(run / "skin.h5")
+    told = r"dump_interval = -1: must be a number >= 0; trajectory .*, now skin\.h5\.damaged; "
+    with pytest.raises(SkinError, match=told):
+        Simulation.resume(run, variables={"dump_interval": -1})
+    assert (run / "skin.h5.damaged").exists()
+
+
 def test_nothing_damaged_is_overwritten(run: Path) -> None:
     """One after the other: both are there in the end."""
     (run / "skin.h5.next").unlink(missing_ok=True)

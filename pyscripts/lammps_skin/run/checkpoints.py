@@ -11,7 +11,6 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
-from datetime import datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -37,6 +36,7 @@ except SkinError as error:
     sys.exit(str(error).partition(" (starting")[0])
 """
 LONGEST_TRIAL = 600.0  # seconds
+MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 MAGIC = b"LammpS RestartT\0"  # how a restart file begins and ends
 
 
@@ -278,10 +278,11 @@ def _fault_of_form(path: Path) -> str | None:
     except (IsADirectoryError, ValueError, struct.error):
         return "is damaged"
     try:
-        date = datetime.strptime(written[:11].strip(), "%d %b %Y")
+        day, month, year = written.split()[:3]
+        date = [int(year), MONTHS.index(month) + 1, int(day)]
     except ValueError:
         return "is damaged"
-    if version("lammps").split(".")[:3] != [str(date.year), str(date.month), str(date.day)]:
+    if version("lammps").split(".")[:3] != [*map(str, date)]:
         return f"was written by LAMMPS {written}, and this is {version('lammps')}"
     return None
 

@@ -165,10 +165,15 @@ class Simulation:
             damaged = set_aside_if_damaged(directory) if restart else None
             if restart:
                 variables = {**variables, "restart": restart}
-            simulation = cls(
-                None, directory, ranks=ranks, threads=threads, variables=variables, replace=True,
-                held=held,
-            )  # fmt: skip
+            try:
+                simulation = cls(
+                    None, directory, ranks=ranks, threads=threads, variables=variables,
+                    replace=True, held=held,
+                )  # fmt: skip
+            except SkinError as error:
+                if damaged:
+                    raise SimulationError(f"{error}; {damaged}") from None
+                raise
             simulation.notes += [*notes, *([damaged] if damaged else [])]
             simulation._checkpoints.passed_over = passed_over
             simulation._resources.push(resources.pop_all())

@@ -40,8 +40,7 @@ from lammps_skin.run.hold import Hold
 from lammps_skin.run.results import holds_results
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.study import cost
-from lammps_skin.trajectory.hdf5 import open_hdf5
-from lammps_skin.trajectory.store import STORE
+from lammps_skin.trajectory.store import Store
 from lammps_skin.versions import versions
 
 REPORTS = 200  # of the time of a run to the bar
@@ -180,12 +179,10 @@ def member_of(directory: Path, folder: Path) -> Member:
     Its versions are those that skin.h5 names; a dump names none, and those of today are taken.
     """
     with open_run(directory) as run:
-        path = Path(run.universe.trajectory.filename)
+        frames = run.universe.trajectory.frames
         made_by = versions()
-        if path.suffix == Path(STORE).suffix:
-            with open_hdf5(path) as file:
-                named = file["parameters/versions"].attrs
-                made_by = {name: str(named.get(name, "unknown")) for name in made_by}
+        if isinstance(frames, Store):
+            made_by = {name: frames.versions.get(name, "unknown") for name in made_by}
         return Member(run.scene, folder, tuple(made_by.items()))
 
 

@@ -40,6 +40,8 @@ class Headers(NamedTuple):
         Ids of the particles of the links (l, 2) and triangles (t, 3) of the membrane.
     values : dict
         The dataset of each element of the particles.
+    versions : dict
+        Versions of what has made the file, as far as it names them.
     """
 
     steps: Ints
@@ -48,6 +50,7 @@ class Headers(NamedTuple):
     scene: Scene
     members: dict[str, Ints]
     values: dict[str, Any]
+    versions: dict[str, str]
 
 
 # ---- a file in HDF5
@@ -103,7 +106,8 @@ class _Checked:
             values[name] = self._dataset(f"{GROUP}/{name}/value", kind, (frames, slots, *inner))
         scene = self._scene()
         members = {name: self._members(name, width) for name, width in MEMBERS.items()}
-        return Headers(steps.astype(np.int64), times, slots, scene, members, values)
+        versions = self._versions()
+        return Headers(steps.astype(np.int64), times, slots, scene, members, values, versions)
 
     def _wrong(self, why: str) -> DamagedError:
         return DamagedError(f"trajectory {self._path}: {why}")
@@ -131,13 +135,19 @@ class _Checked:
         return members
 
     def _scene(self) -> Scene:
-        text = self._file["parameters"].attrs["scene"]
+        text = self._followed("parameters").attrs["scene"]
         try:
             scene = Scene.from_dict(tomllib.loads(text))
         except (SkinError, tomllib.TOMLDecodeError) as error:
             raise self._wrong(f"its scene cannot be: {str(error).splitlines()[0]}") from None
         self._bound(math.prod(scene.membrane.lattice), "sites of its lattice", MOST_PER_BYTE)
         return scene
+
+    def _versions(self) -> dict[str, str]:
+        if "versions" not in self._followed("parameters"):
+            return {}
+        named = self._followed("parameters/versions").attrs
+        return {name: str(value) for name, value in named.items()}
 
     def _dataset(self, name: str, kind: str, shape: tuple[int | None, ...]) -> Any:
         """A dataset that lies in this file, of a kind of numbers and a shape; None is any size."""

@@ -33,6 +33,8 @@ class Store:
         Ids of linked membrane particles.
     triangles : (t, 3) array of int
         Ids of their corners, counterclockwise seen from the side of the cells.
+    versions : dict of str to str
+        Versions of what has made the file, as far as it names them.
 
     Raises
     ------
@@ -51,7 +53,7 @@ class Store:
         headers = read_headers(self._file, self.path)
         self.steps, self.times, self.slots, self.scene = headers[:4]
         self.links, self.triangles = headers.members["links"], headers.members["triangles"]
-        self._values = headers.values
+        self._values, self.versions = headers.values, headers.versions
         self._membrane: Ints | None = None
         if len(self):
             first = self[0]

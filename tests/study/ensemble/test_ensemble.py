@@ -5,6 +5,7 @@ import os
 import shutil
 import signal
 
+import h5py
 import numpy as np
 import pytest
 import scipy.stats
@@ -137,6 +138,19 @@ def test_runs_from_elsewhere(skin, scene, tmp_path):
     assert member_of(done, tmp_path / "many").done
     # it is the same as a run of the ensemble itself
     assert skin("ensemble", "tiny.toml", "--seeds", 7, "-o", "many").out.startswith("1 runs, 1 of")
+
+
+def test_a_run_whose_versions_nobody_knows(skin, scene, tmp_path):
+    """As a file of another program; what it does not name is unknown."""
+    with Simulation(scene.replace(seed=7), tmp_path / "done") as simulation:
+        simulation.run()
+    assert dict(member_of(tmp_path / "done", tmp_path).made_by) == versions()
+    shutil.copytree(tmp_path / "done", tmp_path / "other")
+    with h5py.File(tmp_path / "other" / "skin.h5", "r+") as file:
+        del file["parameters/versions"]
+    unknown = dict.fromkeys(versions(), "unknown")
+    assert dict(member_of(tmp_path / "other", tmp_path).made_by) == unknown
+    assert skin("ensemble", "--from", tmp_path / "other", "-o", "many").code == 0
 
 
 def test_the_key_is_what_the_seeds_share(scene, tmp_path):
