@@ -96,7 +96,7 @@ def test_what_is_given_to_lammps_is_in_the_file(run, tmp_path):
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_the_box_is_that_of_the_run(run, tmp_path, ranks):
-    """That of the scene but for the digits with which it was written, until a command changes it."""
+    """That of the scene but for the digits that were given, until a command changes it."""
     configuration = high_cells(run.scene)
     configuration.box = configuration.box + np.array([-2e-4, 3e-4, 5e-4])
     x, y, z = configuration.box.tolist()
