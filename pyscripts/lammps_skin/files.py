@@ -12,14 +12,14 @@ from pathlib import Path
 def completed(path: Path) -> Iterator[Path]:
     """Yield the place where to write a file; it replaces the one of this name if nothing is raised.
 
-    The place is beside the file and has its suffix. What exists and is no regular file, such as
-    ``/dev/stdout``, is written directly.
+    The place is beside the file, has its suffix, and is that of this process alone. What exists
+    and is no regular file, such as ``/dev/stdout``, is written directly.
     """
     path = path.resolve()
     if path.exists() and not path.is_file():
         yield path
         return
-    part = path.with_name(f".part-{path.name}")
+    part = path.with_name(f".part-{os.getpid()}-{path.name}")
     try:
         yield part
         part.replace(path)

@@ -20,6 +20,7 @@ from lammps_skin.analysis.coverage import count_by_kind
 from lammps_skin.analysis.lineage import Events, read_events
 from lammps_skin.analysis.state import State, StateAnalysis, scene_and_triangles
 from lammps_skin.errors import MembraneError, SkinError
+from lammps_skin.files import completed
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.universe import open_trajectory
@@ -147,11 +148,10 @@ def save(table: Table, path: Path, comments: Iterable[str] = ()) -> None:
     content = ("\n".join(lines) + "\n").encode()
     if path.suffix == ".gz":
         content = gzip.compress(content, mtime=0)
-    part = path.with_name(path.name + ".part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(content)
-        part.replace(path)
+        with completed(path) as part:
+            part.write_bytes(content)
     except OSError as error:
         raise SkinError(f"table {path}: {error.strerror}") from None
 

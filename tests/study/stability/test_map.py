@@ -50,6 +50,19 @@ def trials_of(scene: Scene, folder: Path, interval: float, stiffness_limit: floa
     return Trials(scene, state, folder, interval, stiffness_limit)
 
 
+def test_another_command_in_the_folder(bound: Scene, tmp_path: Path) -> None:
+    """The same one, that ends while the first still has trials to do."""
+    method = Method("euler", 1, 0.0)
+    timestep = method.reach / EIGENVALUE / 2
+    first, second = (trials_of(bound, tmp_path, 10 * timestep) for _ in range(2))
+    assert first.eigenvalues(0.0) == second.eigenvalues(0.0)
+    assert first.problem(method, timestep) == second.problem(method, timestep) == ""
+    second.close()
+    assert first.problem(method, timestep) == ""
+    first.close()
+    assert not list(tmp_path.glob("run-*"))
+
+
 @pytest.mark.parametrize(
     "method", [Method("euler", 1, 0.0), Method("rkl1", 3, 0.0), Method("rkl2", 5, 0.0)]
 )

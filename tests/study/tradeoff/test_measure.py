@@ -122,3 +122,24 @@ def test_grid():
     assert by_name["reference"].timestep == 0.01
     assert by_name["balanced"].timestep == by_name["fast"].timestep == 0.2  # for the dump
     assert any(reason.startswith("variant rkl1-1: output.dump_interval") for reason in left_out)
+
+
+def test_another_command_in_the_folder(laboratory, busy):
+    """The same one, that begins and ends while the first still runs: both leave their results."""
+    other = Laboratory(busy, laboratory.store.folder, interval=1.0)
+    (one,) = euler(busy)
+    looks = []
+
+    def meanwhile(*_):
+        if not looks:
+            looks.append(working(laboratory))
+            other.sit([one])
+            looks.append(working(laboratory))
+
+    laboratory.sit([one], meanwhile)
+    assert looks[0] == looks[1] and len(looks[0]) == 1
+    assert not laboratory.timing(one).problem and not working(laboratory)
+
+
+def working(laboratory):
+    return list(laboratory.store.folder.glob("run-*"))

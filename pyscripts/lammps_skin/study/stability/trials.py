@@ -10,12 +10,14 @@ from contextlib import contextmanager
 from functools import cached_property
 from itertools import product
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lammps_skin.errors import SceneError, SimulationError, SkinError
+from lammps_skin.files import completed
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.arrangements import place_cells
@@ -131,8 +133,7 @@ class Trials:
         self.interval = interval
         self.limits = 0.0, stiffness_limit
         self.store = Store(folder)
-        self._directory = folder / f"run-{self._key()}"
-        self._built = False
+        self._working: TemporaryDirectory[str] | None = None  # where runs are, once it is built
 
     # ---- results
 
@@ -237,6 +238,19 @@ class Trials:
                 mobility = mobilities(simulation)
             return largest_eigenvalue(simulation, mobility)
 
+    @property
+    def _directory(self) -> Path:
+        """Where all runs of this scene are; of these trials alone."""
+        if self._working is None:
+            made = TemporaryDirectory(
+                prefix="run-", dir=self.store.folder, ignore_cleanup_errors=True
+            )
+            build(self.scene, Path(made.name), self.state.configuration)
+            if self.state.restart:
+                shutil.copyfile(self.state.restart, Path(made.name) / "state.restart")
+            self._working = made
+        return Path(self._working.name)
+
     def _restart(self, name: str) -> Path:
         return self._directory / f"{name}.restart"
 
@@ -248,10 +262,9 @@ class Trials:
         never = repr(NEVER * float(variables["timestep"]))
         given = {**variables, "event_interval": never, "thermo_interval": never, "rounding": 0}
         try:
-            self._build()
             (self._directory / "events.csv").unlink(missing_ok=True)
         except OSError as error:
-            raise SkinError(f"folder {self._directory}: {error.strerror}") from None
+            raise SkinError(f"folder {self.store.folder}: {error.strerror}") from None
         if restart or self.state.restart:
             given["restart"] = f"{restart or 'state'}.restart"
         with Simulation(None, self._directory, variables=given) as simulation:
@@ -260,20 +273,11 @@ class Trials:
                 simulation.command("run 0 post no")
             yield simulation
 
-    def _build(self) -> None:
-        """Once for all runs of this scene."""
-        if self._built:
-            return
-        self.close()
-        build(self.scene, self._directory, self.state.configuration)
-        if self.state.restart:
-            shutil.copyfile(self.state.restart, self._restart("state"))
-        self._built = True
-
     def close(self) -> None:
         """Remove what only the runs need."""
-        shutil.rmtree(self._directory, ignore_errors=True)
-        self._built = False
+        if self._working is not None:
+            self._working.cleanup()
+            self._working = None
 
 
 Point = tuple[str, float]  # what is scaled, and by how much
@@ -312,9 +316,8 @@ def points(
 
 
 def _save(path: Path, content: Any) -> None:
-    part = path.with_suffix(".part")
-    part.write_text(json.dumps(content), "utf-8")
-    part.replace(path)
+    with completed(path) as part:
+        part.write_text(json.dumps(content), "utf-8")
 
 
 def _load(path: Path) -> Any:

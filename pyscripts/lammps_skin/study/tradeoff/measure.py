@@ -10,11 +10,13 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from lammps_skin.engine.engine import Motion
 from lammps_skin.errors import SceneError, SimulationError, SkinError
+from lammps_skin.files import completed
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.build import SCENE_FILE
@@ -68,11 +70,10 @@ class Laboratory:
         path = self.store.path("state", "start", digest(physics(self.scene)), ".restart")
         if not path.exists():
             reference = variant(self.scene, REFERENCE, {"accuracy": REFERENCE})
-            part = path.with_suffix(".part")
             with Simulation(_quiet(reference.scene), configuration=self._begun) as simulation:
                 simulation.command(f"write_restart {simulation.directory}/{path.name}")
-                shutil.copyfile(simulation.directory / path.name, part)
-            part.replace(path)
+                with completed(path) as part:
+                    shutil.copyfile(simulation.directory / path.name, part)
         return path
 
     @cached_property
@@ -91,21 +92,21 @@ class Laboratory:
     @contextmanager
     def _simulation(self, one: Variant, events: bool) -> Iterator[Simulation]:
         scene = _quiet(one.scene)
-        directory = self.store.folder / f"run-{one.name}"
         variables = {"restart": "state.restart"}
         if not events:
             variables["event_interval"] = repr(NEVER * scene.numerics.timestep)
             variables["rounding"] = "0"
-        shutil.rmtree(directory, ignore_errors=True)
+        state, folder = self.state, self.store.folder
         try:
-            directory.mkdir()
-            shutil.copyfile(self.state, directory / "state.restart")
-            with Simulation(scene, directory, self._begun, variables=variables) as simulation:
-                yield simulation
+            with TemporaryDirectory(
+                prefix=f"run-{one.name}-", dir=folder, ignore_cleanup_errors=True
+            ) as name:
+                directory = Path(name)
+                shutil.copyfile(state, directory / "state.restart")
+                with Simulation(scene, directory, self._begun, variables=variables) as simulation:
+                    yield simulation
         except OSError as error:
-            raise SkinError(f"folder {directory}: {error.strerror}") from None
-        finally:
-            shutil.rmtree(directory, ignore_errors=True)
+            raise SkinError(f"folder {folder}: {error.strerror}") from None
 
     # ---- trajectories
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,6 +12,7 @@ import numpy as np
 
 from lammps_skin.engine.engine import Motion
 from lammps_skin.errors import SkinError
+from lammps_skin.files import completed
 from lammps_skin.model.scene import Scene
 from lammps_skin.versions import versions
 
@@ -86,13 +86,11 @@ class Store:
         return self.folder / f"{kind}-{name}-{key}{suffix}"
 
     def save_reached(self, path: Path, reached: Reached) -> None:
-        part = path.with_suffix(".part")
-        with part.open("wb") as file:
+        with completed(path) as part:
             np.savez(
-                file, ids=reached.ids, positions=reached.positions,
+                part, ids=reached.ids, positions=reached.positions,
                 motion=np.array(reached.motion), problem=np.array(reached.problem),
             )  # fmt: skip
-        os.replace(part, path)
 
     def load_reached(self, path: Path) -> Reached:
         with np.load(path) as file:
@@ -100,9 +98,8 @@ class Store:
             return Reached(file["ids"], file["positions"], motion, str(file["problem"]))
 
     def save_timing(self, path: Path, timing: Timing) -> None:
-        part = path.with_suffix(".part")
-        part.write_text(json.dumps(timing._asdict()))
-        os.replace(part, path)
+        with completed(path) as part:
+            part.write_text(json.dumps(timing._asdict()))
 
     def load_timing(self, path: Path) -> Timing:
         values: Mapping[str, Any] = json.loads(path.read_text())
