@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -36,6 +39,8 @@ def wrapped(positions: Floats, box: Box) -> Floats:
 
 def periodic_tree(points: Floats, box: Box) -> cKDTree:
     """Search tree of points (n, 2 or 3), periodic in x and y."""
+    from scipy.spatial import cKDTree
+
     open_axis = 0.0
     sides = np.array([box[0], box[1], open_axis])
     return cKDTree(wrapped(points, box), boxsize=sides[: points.shape[1]])

@@ -9,7 +9,6 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from lammps_skin.errors import ConfigurationError, SceneError
 from lammps_skin.kinds import CELLS, Kind
@@ -185,6 +184,8 @@ class Configuration:
             )
 
     def _check_cells(self, scene: Scene) -> None:
+        from scipy.spatial import cKDTree
+
         cells = np.flatnonzero(self.is_cell)
         for n in cells:
             kind, m = Kind(self.kinds[n]), self.divisions_left[n]
@@ -224,6 +225,8 @@ class Configuration:
 
     def nearest_membrane(self) -> tuple[Ints, Floats]:
         """Index of and distance to the nearest membrane particle, each (n,), of all particles."""
+        from scipy.spatial import cKDTree
+
         membrane = np.flatnonzero(self.kinds == Kind.MEMBRANE)
         x = self.wrapped()
         # no image in z: a period longer than twice the box keeps it open
