@@ -100,7 +100,7 @@ CLONE = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("ranks", [1, 2, 4])
+@pytest.mark.parametrize("ranks", [1, 2, pytest.param(4, marks=pytest.mark.slow)])
 def test_newborn_is_a_copy_of_its_mother(ranks: int, tmp_path: Path) -> None:
     """In the data of other fixes and of the atom style, on any number of ranks."""
     columns = (

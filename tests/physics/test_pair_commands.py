@@ -58,7 +58,7 @@ def gas_commands(folder: Path, style: str, name: str) -> str:
 Outcome = dict[str, tuple[Floats, Floats]]
 
 
-@pytest.fixture(scope="module", params=[1, 2])
+@pytest.fixture(scope="module", params=[pytest.param(1, marks=pytest.mark.slow), 2])
 def outcomes(request: pytest.FixtureRequest, tmp_path_factory: Any) -> tuple[Outcome, Outcome]:
     """Thermo output and forces with all commands, in stock LAMMPS and with our style on ranks."""
     both = []

@@ -58,7 +58,9 @@ def assert_runs(*arguments: str, **environment: str) -> None:
 # ---- file systems
 
 
-@pytest.mark.parametrize("number", [errno.ENOLCK, errno.EOPNOTSUPP])
+@pytest.mark.parametrize(
+    "number", [errno.ENOLCK, pytest.param(errno.EOPNOTSUPP, marks=pytest.mark.slow)]
+)
 def test_neither_locks_nor_hard_links(number: int, here: Path) -> None:
     shim = here / "shim.so"
     command = ["g++", "-x", "c++", "-shared", "-fPIC", "-o", str(shim), "-"]

@@ -303,7 +303,10 @@ def ten_thousand(scene: Scene, how: str) -> Configuration:
     return place(scene, cells)
 
 
-@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize(
+    "level",
+    [level if level == "fast" else pytest.param(level, marks=pytest.mark.slow) for level in LEVELS],
+)
 def test_ten_thousand_cells_on_a_quarter(level: str) -> None:
     """Cells that are in the mean 0.5 apart end in an error, layers of them in a sane state."""
     scene = small(level, **{"membrane.lattice": [100, 114], "cells.stem": 1, "end_time": 4.0})
