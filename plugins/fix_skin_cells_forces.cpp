@@ -136,7 +136,8 @@ std::string FixSkinCells::remedy() const
 void FixSkinCells::lost(int i, double r) const
 {
   error->one(FLERR, "Fix skin/cells: {} cell {} has lost the membrane on step {}: its nearest "
-             "membrane particle is at {} but the ghost particles reach to {}{}",
+             "membrane particle is at {} but the ghost particles reach to {}, which comm_modify "
+             "cutoff can extend{}",
              kind_of(i) == STEM ? "stem" : "nd", atom->tag[i], update->ntimestep, r, reach(),
              remedy());
 }
