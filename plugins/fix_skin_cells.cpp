@@ -1,6 +1,6 @@
 // Cells on a basement membrane: set-up, checks, restart and output of the fix. Its arguments stand
-// in fix_skin_cells_settings.cpp, its forces in fix_skin_cells_forces.cpp, and what happens at
-// births and deaths in fix_skin_cells_events.cpp.
+// in fix_skin_cells_settings.cpp, its forces in _forces.cpp, events in _events.cpp with births in
+// _births.cpp and dividing pairs in _pairs.cpp, and atoms that others make or move in _atoms.cpp.
 
 #include "fix_skin_cells.h"
 

@@ -119,7 +119,7 @@ class FixSkinCells : public Fix {
 
   bool state_is_read() const;
   void set_row(int, const double *);
-  void take_up(int);
+  void start_created_cell(int);
   void list_cells();
   void migrate(bool);
 
@@ -152,7 +152,7 @@ class FixSkinCells : public Fix {
 
   SkinCellEvent end_of_pair(int, double, int) const;
   std::vector<SkinCellEvent> pairs_ended_by(const std::vector<SkinCellEvent> &) const;
-  std::vector<tagint> nowhere(const std::vector<tagint> &) const;
+  std::vector<tagint> missing_ids(const std::vector<tagint> &) const;
   void end_widowed_pairs();
   void dissolve(const SkinCellEvent &, bool);
   bool have_bond(tagint, tagint) const;

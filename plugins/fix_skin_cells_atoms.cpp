@@ -105,7 +105,7 @@ void FixSkinCells::pre_neighbor()
   for (int i = 0; i < atom->nlocal; i++) {
     const int kind = kind_of(i);
     if (kind == NONE) continue;
-    take_up(i);
+    start_created_cell(i);
     if (state.pair[i]) hide(i, state.pair[i]);
   }
   list_cells();
@@ -122,18 +122,18 @@ void FixSkinCells::min_pre_neighbor()
    a cell that another command has made begins now
 ------------------------------------------------------------------------- */
 
-void FixSkinCells::take_up(int i)
+void FixSkinCells::start_created_cell(int i)
 {
   const int kind = kind_of(i);
   const bool divides = kind == STEM || kind == TA;
-  const bool untold = state.untold(i);
-  if (untold) {
+  const bool all_zero = state.all_zero(i);
+  if (all_zero) {
     check_cell(i);
     state.next_division[i] = SkinCellState::NEVER;
     state.birth_time[i] = now();
   }
   const bool unscheduled = divides && state.next_division[i] < 0.0;
-  if ((untold || unscheduled) && state.detached_time[i] == 0.0)
+  if ((all_zero || unscheduled) && state.detached_time[i] == 0.0)
     state.detached_time[i] = SkinCellState::NEVER;
   if (unscheduled) schedule_first(i);
 }

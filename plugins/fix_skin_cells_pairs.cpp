@@ -2,8 +2,9 @@
 
 #include "fix_skin_cells.h"
 
+#include "skin_gather.h"
+
 #include "atom.h"
-#include "comm.h"
 #include "error.h"
 
 #include <algorithm>
@@ -29,22 +30,6 @@ int FixSkinCells::owned_index(tagint id) const
 }
 
 /* ----------------------------------------------------------------------
-   what all ranks say, in the order of ranks
-------------------------------------------------------------------------- */
-
-static std::vector<tagint> gather(const std::vector<tagint> &mine, int nprocs, MPI_Comm world)
-{
-  int n = (int) mine.size();
-  std::vector<int> counts(nprocs), offsets(nprocs + 1, 0);
-  MPI_Allgather(&n, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int p = 0; p < nprocs; p++) offsets[p + 1] = offsets[p] + counts[p];
-  std::vector<tagint> all(offsets[nprocs]);
-  MPI_Allgatherv(mine.data(), n, MPI_LMP_TAGINT, all.data(), counts.data(), offsets.data(),
-                 MPI_LMP_TAGINT, world);
-  return all;
-}
-
-/* ----------------------------------------------------------------------
    both cells of a dividing pair name each other, on whatever ranks they are, unless another
    command has removed one of them
 ------------------------------------------------------------------------- */
@@ -57,7 +42,7 @@ void FixSkinCells::check_pairs() const
       mine.push_back(atom->tag[i]);
       mine.push_back(state.pair[i]);
     }
-  const std::vector<tagint> told = gather(mine, comm->nprocs, world);
+  const std::vector<tagint> told = skin_gather(mine, world);
 
   std::vector<std::pair<tagint, tagint>> all;
   for (size_t k = 0; k < told.size(); k += 2) {
@@ -66,7 +51,7 @@ void FixSkinCells::check_pairs() const
   }
   std::sort(all.begin(), all.end());
   std::sort(named.begin(), named.end());
-  const std::vector<tagint> gone = nowhere(named);
+  const std::vector<tagint> gone = missing_ids(named);
   for (const auto &[id, other] : all)
     if (!std::binary_search(all.begin(), all.end(), std::pair(other, id)) &&
         !std::binary_search(gone.begin(), gone.end(), other))
@@ -78,7 +63,7 @@ void FixSkinCells::check_pairs() const
    those of the IDs, which all ranks give alike, that no atom has
 ------------------------------------------------------------------------- */
 
-std::vector<tagint> FixSkinCells::nowhere(const std::vector<tagint> &ids) const
+std::vector<tagint> FixSkinCells::missing_ids(const std::vector<tagint> &ids) const
 {
   std::vector<int> owned, anywhere(ids.size());
   for (tagint id : ids) owned.push_back(owned_index(id) >= 0);
@@ -99,7 +84,7 @@ void FixSkinCells::end_widowed_pairs()
   for (int i = 0; i < atom->nlocal; i++)
     if (kind_of(i) != NONE && state.pair[i] && local_index(state.pair[i]) < 0)
       missing.push_back(state.pair[i]);
-  const std::vector<tagint> gone = nowhere(gather(missing, comm->nprocs, world));
+  const std::vector<tagint> gone = missing_ids(skin_gather(missing, world));
   if (gone.empty()) return;
 
   std::vector<SkinCellEvent> ends;
@@ -107,9 +92,8 @@ void FixSkinCells::end_widowed_pairs()
     if (kind_of(i) == NONE || std::find(gone.begin(), gone.end(), state.pair[i]) == gone.end())
       continue;
     ends.push_back(end_of_pair(i, now(), SkinCellEvent::PARTNER_REMOVED));
-    const auto [younger, older] = std::minmax({-atom->tag[i], -state.pair[i]});
-    ends.back().id = -younger;
-    ends.back().other = -older;
+    ends.back().id = std::max(atom->tag[i], state.pair[i]);
+    ends.back().other = std::min(atom->tag[i], state.pair[i]);
   }
   for (SkinCellEvent &end : SkinCellEvent::gather(ends, world)) {
     log_event(end, "division_end", end.id, end.other, "partner_removed");

@@ -1,7 +1,8 @@
 // Overdamped motion dr/dt = m F by forward Euler or a Runge-Kutta-Legendre method; the mobility m
 // is 1, or less where the membrane is too stiff for the timestep. A step in which some particle
 // would move too far is divided into shorter ones. Its arguments stand in
-// fix_skin_motion_settings.cpp, forces and mobilities in fix_skin_motion_forces.cpp.
+// fix_skin_motion_settings.cpp, forces and mobilities in _forces.cpp, single terms of the forces in
+// _terms.cpp, and what ends a run in _errors.cpp.
 
 #include "fix_skin_motion.h"
 
@@ -38,7 +39,7 @@ static constexpr double LONGEST_INVERTED = 2.0;
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), shortest_link(0.0),
     longest_link(INFINITY), rounding(0.0), round_every(1), cells(nullptr), stretch(nullptr),
-    bend(nullptr), pair_unproven(false), steps(0), divided(0), parts(0), evaluations(0), limited(0),
+    bend(nullptr), steps(0), divided(0), parts(0), evaluations(0), limited(0),
     slowest(1.0), beyond(0), beyond_before(0), within_steps(0), furthest_listed(0.0), offender(-1),
     inverted_time(0.0), inverted_at_start(false)
 {
@@ -92,10 +93,11 @@ void FixSkinMotion::init()
   beyond_before = beyond;
   within_steps = 0;
   furthest_listed = 0.0;
-  pair_unproven = several() && force->pair;
   unproven.clear();
+  if (!several()) return;
+  if (force->pair && force->pair->compute_flag) unproven.push_back(pair_term());
   for (Fix *fix : modify->get_fix_list())
-    if (several() && (modify->get_fix_mask(fix) & POST_FORCE)) unproven.push_back(fix);
+    if (modify->get_fix_mask(fix) & POST_FORCE) unproven.push_back(fix_term(fix));
 }
 
 /* ----------------------------------------------------------------------
@@ -134,7 +136,7 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
   int nparts = 0;
 
   note_lists();
-  if (pair_unproven || !unproven.empty()) check_repeatable();
+  if (!unproven.empty()) check_repeatable();
   while (remaining > 0.0) {
     keep_start();
     find_mobility();

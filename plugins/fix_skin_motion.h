@@ -51,10 +51,12 @@ class FixSkinMotion : public Fix {
   std::vector<double> listed;
   SkinBuild build;
 
-  // forces that are computed once more to see whether they are the same
-
-  std::vector<class Fix *> unproven;
-  bool pair_unproven;
+  struct Term {
+    std::string name;
+    std::function<void()> compute;
+    int every = 1;    // steps between those on which it works
+  };
+  std::vector<Term> unproven;    // computed once more to see whether it is the same
 
   // what happened since the fix was defined
 
@@ -73,11 +75,6 @@ class FixSkinMotion : public Fix {
   int offender;              // my particle that moved furthest, or -1
   double inverted_time;      // for how long there have been inverted triangles
   bool inverted_at_start;    // since before the first step
-
-  struct Term {
-    std::string name;
-    std::function<void()> compute;
-  };
 
   void parse(int, char **);
   bool alone() const;

@@ -36,7 +36,8 @@ FixSkinMotion::Term FixSkinMotion::pair_term() const
 
 FixSkinMotion::Term FixSkinMotion::fix_term(Fix *fix) const
 {
-  return {fmt::format("fix {} of style {}", fix->id, fix->style), [fix] { fix->post_force(0); }};
+  return {fmt::format("fix {} of style {}", fix->id, fix->style), [fix] { fix->post_force(0); },
+          std::max(1, fix->nevery)};
 }
 
 /* ----------------------------------------------------------------------
@@ -60,14 +61,9 @@ std::vector<double> FixSkinMotion::forces_of(const Term &term) const
 void FixSkinMotion::check_repeatable()
 {
   keep_start();
-  if (pair_unproven && force->pair->compute_flag) check_repeatable(pair_term());
-  pair_unproven = false;
-
-  const auto due = [&](const Fix *fix) {
-    return fix->nevery <= 1 || update->ntimestep % fix->nevery == 0;
-  };
-  for (Fix *fix : unproven)
-    if (due(fix)) check_repeatable(fix_term(fix));
+  const auto due = [&](const Term &term) { return update->ntimestep % term.every == 0; };
+  for (const Term &term : unproven)
+    if (due(term)) check_repeatable(term);
   unproven.erase(std::remove_if(unproven.begin(), unproven.end(), due), unproven.end());
   if (atom->nlocal) std::copy(start_force.begin(), start_force.end(), atom->f[0]);
 }

@@ -36,7 +36,7 @@ struct SkinCellState {
     next_division[i] = birth_time[i] = pair_start[i] = detached_time[i] = 0.0;
   }
 
-  bool untold(int i) const
+  bool all_zero(int i) const
   {
     return !divisions_done[i] && !parent[i] && !pair[i] && next_division[i] == 0.0 &&
         birth_time[i] == 0.0 && pair_start[i] == 0.0 && detached_time[i] == 0.0;

@@ -1,9 +1,9 @@
 #include "skin_inverted.h"
 
 #include "skin_bend_forces.h"
+#include "skin_gather.h"
 
 #include "atom.h"
-#include "comm.h"
 
 #include <algorithm>
 
@@ -15,22 +15,22 @@ using namespace LAMMPS_NS;
 
 bool SkinInverted::find(const SkinTriangles &triangles, const double *normal, bool whole)
 {
-  look(triangles, normal, whole);
-  if (!gather()) return false;
+  measure(triangles, normal, whole);
+  if (!collect()) return false;
 
-  const size_t n = doubtful.size();
+  const size_t n = candidates.size();
   std::vector<double> mine(n, -1.0), all(n);
-  for (const Known &here : known) {
-    const auto at = std::lower_bound(doubtful.begin(), doubtful.end(), here.corner);
-    if (at == doubtful.end() || *at != here.corner) continue;
-    double &most = mine[at - doubtful.begin()];
+  for (const Known &here : folds) {
+    const auto at = std::lower_bound(candidates.begin(), candidates.end(), here.corner);
+    if (at == candidates.end() || *at != here.corner) continue;
+    double &most = mine[at - candidates.begin()];
     most = std::max(most, here.cosine);
   }
   MPI_Allreduce(mine.data(), all.data(), (int) n, MPI_DOUBLE, MPI_MAX, world);
 
   for (size_t k = 0; k < n; k++) {
     if (!(all[k] < least)) continue;
-    corner = doubtful[k];
+    corner = candidates[k];
     cosine = all[k];
     return true;
   }
@@ -41,9 +41,9 @@ bool SkinInverted::find(const SkinTriangles &triangles, const double *normal, bo
    smallest folds of my triangles that are in other lists, too, and of all if one may be inverted
 ------------------------------------------------------------------------- */
 
-void SkinInverted::look(const SkinTriangles &triangles, const double *normal, bool whole)
+void SkinInverted::measure(const SkinTriangles &triangles, const double *normal, bool whole)
 {
-  known.clear();
+  folds.clear();
   const auto note = [&](int t) {
     const SkinTriangle &mine = triangles.all[t];
     double most = -1.0;
@@ -52,7 +52,7 @@ void SkinInverted::look(const SkinTriangles &triangles, const double *normal, bo
     Corners tags;
     for (int k = 0; k < 3; k++) tags[k] = atom->tag[mine.corner[k]];
     std::sort(tags.begin(), tags.end());
-    known.push_back({tags, most});
+    folds.push_back({tags, most});
   };
   if (whole)
     for (int t = 0; t < (int) triangles.all.size(); t++) note(t);
@@ -64,24 +64,17 @@ void SkinInverted::look(const SkinTriangles &triangles, const double *normal, bo
    triangles that are inverted by the links of some list; false if there are none
 ------------------------------------------------------------------------- */
 
-bool SkinInverted::gather()
+bool SkinInverted::collect()
 {
-  doubtful.clear();
-  for (const Known &here : known)
-    if (here.cosine < least) doubtful.push_back(here.corner);
+  candidates.clear();
+  for (const Known &here : folds)
+    if (here.cosine < least) candidates.push_back(here.corner);
 
-  int mine = 3 * (int) doubtful.size(), all = 0;
-  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_SUM, world);
-  if (all == 0) return false;
+  std::vector<Corners> found = skin_gather(candidates, world);
+  if (found.empty()) return false;
 
-  std::vector<int> counts(comm->nprocs), displs(comm->nprocs, 0);
-  MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, world);
-  for (int n = 1; n < comm->nprocs; n++) displs[n] = displs[n - 1] + counts[n - 1];
-  std::vector<Corners> found(all / 3);
-  MPI_Allgatherv(doubtful.data(), mine, MPI_LMP_TAGINT, found.data(), counts.data(),
-                 displs.data(), MPI_LMP_TAGINT, world);
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  doubtful = found;
+  candidates = found;
   return true;
 }

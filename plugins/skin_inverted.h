@@ -34,11 +34,11 @@ class SkinInverted : protected Pointers {
   };
 
   double least;    // cosine of the angle beyond which a triangle is inverted
-  std::vector<Known> known;
-  std::vector<Corners> doubtful;    // on all ranks, sorted
+  std::vector<Known> folds;
+  std::vector<Corners> candidates;    // on all ranks, sorted
 
-  void look(const class SkinTriangles &, const double *normal, bool whole);
-  bool gather();
+  void measure(const class SkinTriangles &, const double *normal, bool whole);
+  bool collect();
 };
 
 }    // namespace LAMMPS_NS

@@ -24,6 +24,18 @@ def busy(scene: str = "no-dermis", **changes: object) -> Scene:
     return Scene.load(scene).replace(**{**BUSY, **changes})
 
 
+def fix_line(scene: Scene, **changes: str) -> str:
+    """The fix of the cells as a user would write it."""
+    values = {
+        "contact": "2.4", "adhesion": "25 1.2", "binding": "25", "cycle": "2.0 0.5 2.0",
+        "generations": "10", "spring": "5 0.014 1.4 2.8", "offset": "0.007", "every": "2",
+        **changes,
+    }  # fmt: skip
+    types = "membrane membrane stem stem ta ta exhausted exhausted nd nd"
+    words = " ".join(f"{key} {value}" for key, value in values.items())
+    return f"skin/cells {scene.seed} {types} {words}"
+
+
 def run_script(
     directory: Path,
     *lines: str,

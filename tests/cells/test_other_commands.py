@@ -1,29 +1,17 @@
-"""Commands that make, remove and renumber atoms, or give fix skin/cells anew."""
+"""Commands that make, remove and renumber atoms beside fix skin/cells."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin.model.scene import Scene
+from lammps_skin.kinds import Kind
 from lammps_skin.start.build import build
 
-from tests.cells.conftest import of_kind, read_events
-from tests.cells.scripts import busy, error_of, run_script, snapshots, told
+from tests.cells.conftest import HEIGHT, of_kind, place, read_events
+from tests.cells.scripts import busy, error_of, fix_line, run_script, snapshots, told
 
 REGION = "region slab block 0 11.9 0 12.1 24.7 25.0"
 DUMP = "dump every all custom 1 x.dump id type i_parent i_pair"
-
-
-def fix_line(scene: Scene, **changes: str) -> str:
-    """The fix of the cells as a user would write it."""
-    values = {
-        "contact": "2.4", "adhesion": "25 1.2", "binding": "25", "cycle": "2.0 0.5 2.0",
-        "generations": "10", "spring": "5 0.014 1.4 2.8", "offset": "0.007", "every": "2",
-        **changes,
-    }  # fmt: skip
-    types = "membrane membrane stem stem ta ta exhausted exhausted nd nd"
-    words = " ".join(f"{key} {value}" for key, value in values.items())
-    return f"skin/cells {scene.seed} {types} {words}"
 
 
 def assert_ids_once(path: Path) -> None:
@@ -191,6 +179,35 @@ def test_cells_moved_by_a_command_name_no_timestep(tmp_path: Path) -> None:
     assert "timestep" not in message
 
 
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_state_of_added_cells_is_read(ranks: int, tmp_path: Path) -> None:
+    """By read_data, from its section; without that, they are new cells."""
+    z = HEIGHT + 2.4
+    cells = [(Kind.STEM, (4.0, 6.0, z), 3), (Kind.TA, (8.0, 6.0, z), 2)]
+    start = place(busy(), cells)
+    start.next_division[-2:] = 7.5, 8.25
+    columns = "id i_divisions_left d_next_division d_detached_time"
+    add = "read_data skin.data add append shift 0 0"
+    lines = [
+        f"{add} 10 fix state NULL state", "group new id > 1346",
+        f"write_dump new custom x.dump {columns} modify sort id", "run 0 post no",
+        f"write_dump new custom y.dump {columns} modify sort id",
+        f"{add.replace('skin', 'bare')} 20", "group newer id > 2020",
+        f"write_dump newer custom z.dump {columns} modify sort id",
+    ]  # fmt: skip
+    build(busy(), tmp_path, start)
+    text = (tmp_path / "skin.data").read_text()
+    (tmp_path / "bare.data").write_text(text[: text.index("\nstate")])
+    process = run_script(tmp_path, *lines, ranks=ranks)
+    assert process.returncode == 0, process.stdout[-1000:]
+    (read,), (kept,), (new,) = (snapshots(tmp_path / f"{name}.dump") for name in "xyz")
+    for frame in (read, kept):
+        assert frame["i_divisions_left"].tolist() == [3, 2]
+        assert frame["d_next_division"].tolist() == [7.5, 8.25]
+        assert frame["d_detached_time"].tolist() == [-1, -1]
+    assert all((new[name] == 0).all() for name in columns.split()[1:])
+
+
 # ---- renumbering, repeating, doing it twice
 
 
@@ -227,112 +244,6 @@ def test_rerun_is_refused(tmp_path: Path) -> None:
              "rerun x.dump dump x y z"]  # fmt: skip
     message = error_of(run_script(tmp_path, *lines, scene=busy()))
     assert "Fix skin/cells does not work with rerun" in message
-
-
-COUNTS = 'print "OUT $(f_cells[9]) $(f_cells[10]) $(f_cells[11])"'
-
-
-@pytest.mark.parametrize(
-    ("again", "log"),
-    [
-        (["unfix cells", "fix cells cells"], "events.csv"),
-        (["fix cells cells"], "events.csv"),
-        (["unfix cells", "fix others cells"], "./events.csv"),
-        (["unfix cells", "run 1 post no", "fix cells cells"], "events.csv"),
-        (["fix cells cells", "fix cells cells"], "events.csv"),
-        (["unfix cells", "fix one cells", "unfix one", "fix others cells"], "events.csv"),
-        (["fix others cells", "unfix cells"], "events.csv"),
-        (["fix one cells", "unfix cells", "unfix one", "fix others cells"], "events.csv"),
-        (["fix one cells", "unfix cells", "fix others cells", "unfix one"], "events.csv"),
-        (["fix one cells", "unfix one"], "events.csv"),
-    ],
-    ids=[
-        "unfix-fix",
-        "fix-anew",
-        "another-id",
-        "run-between",
-        "twice",
-        "twice-other-ids",
-        "before-unfix",
-        "never-run",
-        "three",
-        "one-more",
-    ],
-)
-def test_fix_given_anew_goes_on(again: list[str], log: str, tmp_path: Path) -> None:
-    """With the log, the counts and the IDs of the one before."""
-    fix = f"{fix_line(busy(), adhesion='20 1.2')} log {log}"
-    name = "others" if "fix others cells" in again else "cells"
-    lines = [
-        "run 16 post no", COUNTS, "shell cp events.csv before.csv",
-        *(f"{line} {fix}" if line.startswith("fix ") else line for line in again),
-        "run 0 post no", COUNTS.replace("f_cells", f"f_{name}"), "shell cp events.csv at.csv",
-        "run 16 post no", COUNTS.replace("f_cells", f"f_{name}"),
-    ]  # fmt: skip
-    before, at, after = told(run_script(tmp_path, *lines, scene=busy()))
-    assert before == at
-    assert before[0] >= 3
-    assert after[0] > at[0]
-    text = (tmp_path / "events.csv").read_text()
-    assert text.startswith((tmp_path / "before.csv").read_text())
-    events = read_events(tmp_path)
-    births = [event.id for event in of_kind(events, "birth")]
-    assert births == list(range(676, 676 + len(births)))
-    assert len(births) == after[0]
-    assert len(of_kind(events, "death")) == after[1]
-
-
-def test_restarted_fix_given_anew_goes_on(tmp_path: Path) -> None:
-    """With another ID, before it has run."""
-    first = ["run 16 post no", COUNTS, "write_restart half.restart"]
-    before = told(run_script(tmp_path, *first, scene=busy()))
-    log = (tmp_path / "events.csv").read_text()
-    counts = COUNTS.replace("f_cells", "f_others")
-    lines = ["unfix cells", f"fix others cells {fix_line(busy())} log events.csv", "run 0 post no",
-             counts, "run 4 post no"]  # fmt: skip
-    restart = ("-var", "restart", "half.restart")
-    assert told(run_script(tmp_path, *lines, arguments=restart)) == before
-    assert log.count("birth") >= 3
-    assert (tmp_path / "events.csv").read_text().startswith(log)
-
-
-def test_what_ends_in_a_run_without_steps_is_logged(tmp_path: Path) -> None:
-    """A pair of which a cell is deleted, though there is no step after it."""
-    lines = ["run 16 post no", "write_restart half.restart"]
-    assert run_script(tmp_path, *lines, scene=busy()).returncode == 0
-    log = (tmp_path / "events.csv").read_text()
-    restart = ("-var", "restart", "half.restart")
-    gone = f"group gone id {max(event.id for event in of_kind(read_events(tmp_path), 'birth'))}"
-    assert run_script(tmp_path, "run 0", arguments=restart).returncode == 0
-    assert (tmp_path / "events.csv").read_text() == log
-    lines = [gone, "delete_atoms group gone compress no", "run 0", "unfix cells"]
-    assert run_script(tmp_path, *lines, arguments=restart).returncode == 0
-    text = (tmp_path / "events.csv").read_text()
-    assert text.startswith(log)
-    (ends,) = text[len(log) :].splitlines()
-    assert ",division_end," in ends
-    assert ends.endswith("partner_removed")
-
-
-def test_another_log_begins_anew(tmp_path: Path) -> None:
-    lines = ["run 16 post no", "unfix cells", f"fix cells cells {fix_line(busy())} log second.csv",
-             "run 16 post no", COUNTS]  # fmt: skip
-    ((births, *_),) = told(run_script(tmp_path, *lines, scene=busy()))
-    first = len(of_kind(read_events(tmp_path), "birth"))
-    (tmp_path / "second.csv").rename(tmp_path / "events.csv")
-    assert first + len(of_kind(read_events(tmp_path), "birth")) == births
-    assert first >= 3
-
-
-def test_clear_begins_anew(tmp_path: Path) -> None:
-    """After the command clear nothing is left of the fix before."""
-    build(busy(), tmp_path)
-    setup = (tmp_path / "skin.in").read_text().splitlines()[:-1]
-    lines = ["run 16 post no", "shell cp events.csv first.csv", "clear", *setup, "run 16 post no"]
-    process = run_script(tmp_path, *lines, "print 'OUT $(f_cells[9])'")
-    ((births,),) = told(process)
-    assert (tmp_path / "events.csv").read_text() == (tmp_path / "first.csv").read_text()
-    assert len(of_kind(read_events(tmp_path), "birth")) == births
 
 
 def test_unfixing_the_state_first_is_told(tmp_path: Path) -> None:
