@@ -102,10 +102,8 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
 class Replay:
     """Stands in for LAMMPS: moments, which `advance` goes through."""
 
-    def __init__(
-        self, moments: Iterable[tuple[Forces, Cells]], box: Iterable[float] = (12.0, 12.0, 40.0)
-    ) -> None:
-        self._moments, self._box = iter(moments), tuple(box)
+    def __init__(self, moments: Iterable[tuple[Forces, Cells]]) -> None:
+        self._moments = iter(moments)
         self._step = -round(INTERVAL / 0.01)
         self.advance()
 
@@ -122,8 +120,8 @@ class Replay:
     def timestep(self) -> float:
         return 0.01
 
-    def box(self) -> tuple[float, ...]:
-        return self._box
+    def box(self) -> tuple[float, float, float]:
+        return small_scene().box_sides
 
     def forces(self) -> Forces:
         return self._particles
@@ -146,7 +144,7 @@ def equal(frames: Iterable[Frame], others: Iterable[Frame]) -> bool:
 
 def replay(run, recorder: Recorder) -> Iterator[int]:
     """Record the moments of the run; number of frames after each."""
-    engine = Replay(zip(run.particles, run.cells, strict=True), run.frames[0].edges)
+    engine = Replay(zip(run.particles, run.cells, strict=True))
     for n in range(1, FRAMES + 1):
         recorder.record(engine)
         yield n
