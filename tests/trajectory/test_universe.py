@@ -12,7 +12,10 @@ from lammps_skin.errors import DamagedError, SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.start import lattice
 from lammps_skin.trajectory.frame import CELL_STATE
+from lammps_skin.trajectory.readers import SkinParser
+from lammps_skin.trajectory.writer import TrajectoryWriter
 
+NONE = np.empty((0, 2), int)
 ORDERS = {
     "forward": lambda n: range(n),
     "backward": lambda n: range(n - 1, -1, -1),
@@ -133,3 +136,25 @@ def test_other_files_are_refused(tmp_path):
         open_trajectory(tmp_path / "skin.h5")
     with pytest.raises(SkinError, match=r"absent\.h5: No such file or directory"):
         open_trajectory(tmp_path / "absent.h5")
+
+
+def test_a_run_goes_on_while_its_trajectory_is_opened(run, tmp_path, monkeypatch):
+    """Cells are born between the looks at the atoms and at the frames."""
+    shown, later = tmp_path / "a.h5", tmp_path / "b.h5"
+    for path, frames in [(shown, run.frames[:1]), (later, run.frames)]:
+        with TrajectoryWriter(path, run.scene, NONE, NONE) as writer:
+            for frame in frames:
+                writer.write(frame)
+    parse = SkinParser.parse
+
+    def slowly(self, **options):
+        topology = parse(self, **options)
+        if later.exists():
+            later.replace(shown)
+        return topology
+
+    monkeypatch.setattr(SkinParser, "parse", slowly)
+    universe = open_trajectory(shown)
+    assert len(universe.trajectory) == len(run.frames)
+    assert len(universe.atoms) == max(int(frame.ids.max()) for frame in run.frames)
+    universe.trajectory.close()

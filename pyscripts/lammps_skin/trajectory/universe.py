@@ -29,4 +29,19 @@ def open_trajectory(path: str | Path) -> SkinUniverse:
     if path.is_dir():
         path = trajectory_of(path)
     form = (SkinDumpReader if path.suffix == Path(DUMP).suffix else SkinReader).format
-    return SkinUniverse(str(path), format=form, topology_format=form, to_guess=())
+    while True:
+        before = _version(path)
+        try:
+            return SkinUniverse(str(path), format=form, topology_format=form, to_guess=())
+        except ValueError:  # more atoms: a run has gone on between the two looks of MDAnalysis
+            if _version(path) == before:
+                raise
+
+
+def _version(path: Path) -> tuple[int, int, int] | None:
+    """What is another once a run has replaced the file or added to it."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_size, found.st_mtime_ns
