@@ -45,7 +45,7 @@ def coverage(drawn):
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.5, 0.8, 0.9])
-@pytest.mark.parametrize("n", [20, 40, 120])
+@pytest.mark.parametrize("n", [20, *(pytest.param(n, marks=pytest.mark.slow) for n in (40, 120))])
 def test_intervals_of_correlated_series_hold_the_truth(n, memory):
     hits, error = coverage(series(np.random.default_rng(n), 300, n, memory))
     assert hits > 0.95 - 3 * error

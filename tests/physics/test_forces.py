@@ -98,8 +98,16 @@ def test_folded_membrane_runs_backwards() -> None:
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize(
-    ("name", "parameters"), [*product(SCENES, ("papilla", "direct5", "printed")), (FULL, "weak5")]
-)
+    ("name", "parameters"),
+    [
+        *product(SCENES, ("papilla",)),
+        *((FULL, name) for name in ("direct5", "printed", "weak5")),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in product(SCENES, ("direct5", "printed")) if case[0] != FULL
+        ),
+    ],
+)  # fmt: skip
 def test_scene(name: str, parameters: str, shape: str) -> None:
     """Energies by term, total forces and nearest membrane particles of every kind of scene."""
     case = prepared(name, parameters, shape)
