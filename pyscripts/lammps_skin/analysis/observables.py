@@ -101,9 +101,13 @@ def _relief(state: State) -> tuple[float, ...]:
 
 
 class Run(NamedTuple):
-    """A run on disk: its scene, the universe of its trajectory, its events if it has a log."""
+    """A run on disk: its scene, the universe of its trajectory, its events if it has a log.
+
+    `seed` is that of the cells of the run, which may be another one than the scene's.
+    """
 
     scene: Scene
+    seed: int
     universe: Any
     events: Events | None
 
@@ -122,7 +126,8 @@ def open_run(path: str | Path) -> Iterator[Run]:
     universe = open_trajectory(path)
     try:
         scene, _ = scene_and_triangles(universe)
-        yield Run(scene, universe, read_events(log) if log.exists() else None)
+        events = read_events(log) if log.exists() else None
+        yield Run(scene, universe.trajectory.seed, universe, events)
     finally:
         universe.trajectory.close()
 

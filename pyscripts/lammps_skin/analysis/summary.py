@@ -66,7 +66,7 @@ def summary(path: str | Path, window: Window | None = None) -> dict[str, Any]:
             "scene": run.scene.name,
             "parameters": run.scene.parameters,
             "seed": run.scene.seed,
-            "cell_seed": run.scene.cell_seed,
+            "cell_seed": run.seed,
             "dermis_seed": run.scene.dermis_seed,
             "frames": len(table),
             "from": float(times[0]),

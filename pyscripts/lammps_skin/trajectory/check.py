@@ -36,6 +36,8 @@ class Headers(NamedTuple):
     steps, times : (f,) arrays
     slots : int
     scene : Scene
+    seed : int
+        Of the cells of the run, which may be another one than the scene's.
     members : dict
         Ids of the particles of the links (l, 2) and triangles (t, 3) of the membrane.
     values : dict
@@ -48,6 +50,7 @@ class Headers(NamedTuple):
     times: Floats
     slots: int
     scene: Scene
+    seed: int
     members: dict[str, Ints]
     values: dict[str, Any]
     versions: dict[str, str]
@@ -106,8 +109,10 @@ class _Checked:
             values[name] = self._dataset(f"{GROUP}/{name}/value", kind, (frames, slots, *inner))
         scene = self._scene()
         members = {name: self._members(name, width) for name, width in MEMBERS.items()}
-        versions = self._versions()
-        return Headers(steps.astype(np.int64), times, slots, scene, members, values, versions)
+        return Headers(
+            steps.astype(np.int64), times, slots, scene, self._seed(), members, values,
+            self._versions(),
+        )  # fmt: skip
 
     def _wrong(self, why: str) -> DamagedError:
         return DamagedError(f"trajectory {self._path}: {why}")
@@ -148,6 +153,12 @@ class _Checked:
             return {}
         named = self._followed("parameters/versions").attrs
         return {name: str(value) for name, value in named.items()}
+
+    def _seed(self) -> int:
+        seed = self._file["parameters"].attrs["seed"]
+        if not isinstance(seed, np.integer):
+            raise self._wrong("its seed is no whole number")
+        return int(seed)
 
     def _dataset(self, name: str, kind: str, shape: tuple[int | None, ...]) -> Any:
         """A dataset that lies in this file, of a kind of numbers and a shape; None is any size."""

@@ -111,6 +111,11 @@ class Dump:
         return load_built(self.path.parent)
 
     @property
+    def seed(self) -> int:
+        """Of the cells, as the scene has it; a dump does not tell another one."""
+        return self.scene.cell_seed
+
+    @property
     def links(self) -> Ints:
         """Ids of linked membrane particles (l, 2)."""
         return self._members[0]

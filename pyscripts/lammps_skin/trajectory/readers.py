@@ -61,6 +61,7 @@ class FrameReader(ReaderBase):  # type: ignore[misc]
         self.n_atoms = self.frames.slots
         self.n_frames = len(self.frames)
         self.scene, self.triangles = self.frames.scene, self.frames.triangles
+        self.seed = self.frames.seed
         self._radii = _radii(self.scene)
         self.ts = self._Timestep(self.n_atoms, positions=True, **self._ts_kwargs)
         if "dt" not in self._ts_kwargs:

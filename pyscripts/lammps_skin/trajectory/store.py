@@ -29,6 +29,8 @@ class Store:
     slots : int
         The highest id ever given out.
     scene : Scene
+    seed : int
+        Of the cells of the run, which may be another one than the scene's.
     links : (l, 2) array of int
         Ids of linked membrane particles.
     triangles : (t, 3) array of int
@@ -51,7 +53,7 @@ class Store:
     def _open(self) -> None:
         self._file = opened(self.path)
         headers = read_headers(self._file, self.path)
-        self.steps, self.times, self.slots, self.scene = headers[:4]
+        self.steps, self.times, self.slots, self.scene, self.seed = headers[:5]
         self.links, self.triangles = headers.members["links"], headers.members["triangles"]
         self._values, self.versions = headers.values, headers.versions
         self._membrane: Ints | None = None

@@ -48,6 +48,16 @@ def test_what_is_printed(skin, run):
     assert "nan" not in answer.out
 
 
+def test_the_seed_is_that_of_the_run(skin, scene, tmp_path):
+    """Which may be another one than its scene's."""
+    with Simulation(scene, tmp_path / "run", variables={"seed": 7}) as simulation:
+        simulation.run(until=1.0)
+    first = skin("stats", "run").out.splitlines()[0]
+    assert first == "tiny, papilla, seeds 7 of cells, 1 of dermis: 3 frames, t = 0 to 1 of 3"
+    told = json.loads(skin("stats", "run", "--json").out)["run"]
+    assert (told["seed"], told["cell_seed"], told["dermis_seed"]) == (1, 7, 1)
+
+
 def test_the_file_alone(skin, run, tmp_path):
     (run / "skin.h5").rename(tmp_path / "moved.h5")
     answer = skin("stats", tmp_path / "moved.h5", "--json")
