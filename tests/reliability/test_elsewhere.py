@@ -15,8 +15,8 @@ import pytest
 from lammps_skin.engine import ranks
 from lammps_skin.engine.ranks import RankedEngine, check_shared_memory
 from lammps_skin.errors import SimulationError
+from lammps_skin.model.keys import to_toml
 from lammps_skin.run.simulation import Simulation, remedy
-from lammps_skin.start.build import to_toml
 from lammps_skin.start.memory import group_limits
 from lammps_skin.trajectory.store import Store
 

@@ -19,6 +19,7 @@ from lammps_skin.cli.options import (
     scene_from,
 )
 from lammps_skin.cli.output import console
+from lammps_skin.engine.built import load_built
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
@@ -26,7 +27,6 @@ from lammps_skin.model.scenes import BUILT_IN
 from lammps_skin.run.hold import Hold
 from lammps_skin.run.results import RESTARTS, replaced_results, restart_files
 from lammps_skin.run.simulation import Simulation, check_run, start_time
-from lammps_skin.start.build import load_built
 from lammps_skin.start.configuration import Configuration
 
 FILES = {

@@ -1,4 +1,4 @@
-"""Nested keys of a scene: merging them, and the first problem of a validation in plain words."""
+"""Nested keys of a scene: merged, as TOML, and what is wrong with them in plain words."""
 
 from __future__ import annotations
 
@@ -23,6 +23,23 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
         else:
             both[key] = value
     return both
+
+
+def to_toml(given: dict[str, Any], prefix: str = "") -> str:
+    """Nested keys as TOML."""
+    lines = [f"{key} = {_toml_value(v)}" for key, v in given.items() if not isinstance(v, dict)]
+    for key, value in given.items():
+        if isinstance(value, dict):
+            lines += ["", f"[{prefix}{key}]", to_toml(value, f"{prefix}{key}.").rstrip("\n")]
+    return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _toml_value(value: Any) -> str:
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_toml_value(item) for item in value) + "]"
+    if isinstance(value, float):
+        return repr(value)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def as_tuples(given: Mapping[str, Any]) -> dict[str, Any]:

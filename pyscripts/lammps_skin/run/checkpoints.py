@@ -15,11 +15,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.errors import SimulationError, SkinError
 from lammps_skin.files import set_aside
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.results import EVENTS, LOG, MANIFEST, holds_results, restart_files
-from lammps_skin.start.build import SCENE_FILE, SCRIPTS
+from lammps_skin.start.build import SCRIPTS
 from lammps_skin.trajectory.recorder import interval, steps_between
 from lammps_skin.trajectory.store import STORE
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from lammps_skin.engine.built import check_data, load_built
 from lammps_skin.engine.engine import FIX_TERMS, Cells, Engine, Floats, Forces, Ints, Motion
 from lammps_skin.engine.ranks import RankedEngine, check_alone
 from lammps_skin.errors import SceneError, SimulationError, SkinError
@@ -21,9 +22,8 @@ from lammps_skin.run.checkpoints import PART, Checkpoints, find_resumption
 from lammps_skin.run.hold import Hold
 from lammps_skin.run.interruption import Interruption
 from lammps_skin.run.results import holds_results
-from lammps_skin.start.build import build, load_built
+from lammps_skin.start.build import build
 from lammps_skin.start.configuration import Configuration
-from lammps_skin.start.data_file import check_data
 from lammps_skin.start.memory import check_ranks
 from lammps_skin.trajectory.recorder import Recorder, set_aside_if_damaged
 

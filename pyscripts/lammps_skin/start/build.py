@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import shutil
 import tempfile
@@ -12,8 +11,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.errors import SceneError, one_line
 from lammps_skin.kinds import Kind
+from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import (
     StyledTerm,
@@ -31,7 +32,6 @@ from lammps_skin.start.configuration import Configuration
 SCRIPTS = (
     "skin.in", "state.in", "membrane.in", "dermis.in", "cells.in", "integration.in", "output.in",
 )  # fmt: skip
-SCENE_FILE = "scene.toml"
 CORE = 0.5  # of the contact length: no cell comes so close to the membrane
 
 
@@ -200,13 +200,6 @@ def _numbered(terms: list[StyledTerm]) -> Iterator[str]:
         yield f"{name} {seen[name]}" if total[name] > 1 else name
 
 
-def load_built(directory: Path) -> Scene:
-    """Scene of a directory that was built before."""
-    if not (directory / "skin.in").is_file():
-        raise SceneError(f"directory {directory}: holds no built scene (there is no skin.in)")
-    return Scene.load(directory / SCENE_FILE)
-
-
 def ghost_cutoff(scene: Scene, configuration: Configuration) -> float:
     """Reach of ghost particles: pairs, links, dividing pairs, and the nearest membrane particle."""
     skin = scene.numerics.neighbor_skin
@@ -219,20 +212,3 @@ def ghost_cutoff(scene: Scene, configuration: Configuration) -> float:
         reach.append(max(detachment, furthest) + 2.5 * skin)
         reach.append(3 * scene.cells.radius)
     return math.ceil(100 * max(reach)) / 100
-
-
-def to_toml(given: dict[str, Any], prefix: str = "") -> str:
-    """Nested keys as TOML."""
-    lines = [f"{key} = {_toml_value(v)}" for key, v in given.items() if not isinstance(v, dict)]
-    for key, value in given.items():
-        if isinstance(value, dict):
-            lines += ["", f"[{prefix}{key}]", to_toml(value, f"{prefix}{key}.").rstrip("\n")]
-    return "\n".join(lines).lstrip("\n") + "\n"
-
-
-def _toml_value(value: Any) -> str:
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_toml_value(item) for item in value) + "]"
-    if isinstance(value, float):
-        return repr(value)
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

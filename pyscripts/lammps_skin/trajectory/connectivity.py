@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_skin.engine.built import section
 from lammps_skin.errors import SkinError
-from lammps_skin.start.data_file import section
 from lammps_skin.trajectory.frame import Ints
 
 

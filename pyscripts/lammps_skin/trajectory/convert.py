@@ -6,9 +6,9 @@ import shutil
 from pathlib import Path
 from typing import NamedTuple
 
+from lammps_skin.engine.built import load_built
 from lammps_skin.errors import DamagedError, SkinError
 from lammps_skin.files import set_aside
-from lammps_skin.start.build import load_built
 from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.store import DUMP, STORE, Store, trajectory_of

@@ -14,12 +14,12 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.engine.engine import Motion
 from lammps_skin.errors import SceneError, SimulationError, SkinError
 from lammps_skin.files import completed
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
-from lammps_skin.start.build import SCENE_FILE
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.study.tradeoff.grid import REFERENCE, Variant, variant
 from lammps_skin.study.tradeoff.store import Reached, Store, Timing, digest, physics

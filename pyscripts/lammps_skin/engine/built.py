@@ -1,4 +1,4 @@
-"""LAMMPS data files of built scenes: their sections, and what LAMMPS would not find wrong."""
+"""What stands in the directory of a built scene: the scene, and the data file with its faults."""
 
 from __future__ import annotations
 
@@ -7,9 +7,19 @@ from pathlib import Path
 
 from lammps_skin.errors import SceneError, reading
 from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.model.scene import Scene
+
+SCENE_FILE = "scene.toml"
 
 # LAMMPS brings a particle back into the box one side at a time, and hangs on those further away
 FURTHEST = 1e6
+
+
+def load_built(directory: Path) -> Scene:
+    """Scene of a directory that was built before."""
+    if not (directory / "skin.in").is_file():
+        raise SceneError(f"directory {directory}: holds no built scene (there is no skin.in)")
+    return Scene.load(directory / SCENE_FILE)
 
 
 def section(path: Path, title: str) -> Iterator[list[str]]:
