@@ -23,7 +23,7 @@ import numpy as np
 from lammps_skin.engine.engine import open_lammps
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import stretch_table, stretch_term
+from lammps_skin.model.terms import Terms, stretch_table
 from lammps_skin.start import lattice
 from lammps_skin.start.configuration import Configuration
 from whole_run import frames_of
@@ -54,7 +54,7 @@ def styles(scene: Scene, folder: Path) -> dict[str, list[str]]:
     table = stretch_table(scene)
     table.write(folder / "stretch.table")
     half = scene.membrane.bending_stiffness / 2
-    ours = stretch_term(scene.replace(**{"numerics.pair_form": "analytic"}))
+    ours = Terms(scene.replace(**{"numerics.pair_form": "analytic"})).stretch
     stretch = ["bond_style skin/stretch", f"bond_coeff 1 {ours.coefficients}"]
     bend = ["dihedral_style skin/bend", f"dihedral_coeff 1 {2 * half}"]
     stock_stretch = [

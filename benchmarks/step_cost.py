@@ -26,13 +26,7 @@ from lammps_skin.engine.engine import open_lammps
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.tables import Table, pair_grid
-from lammps_skin.model.terms import (
-    cell_kinds,
-    pair_shapes,
-    pair_terms,
-    stretch_table,
-    wall_coefficients,
-)
+from lammps_skin.model.terms import Terms, cell_kinds, stretch_table
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.build import ghost_cutoff
 from lammps_skin.start.configuration import Configuration
@@ -62,7 +56,7 @@ def grown(scene: Scene, until: float) -> Configuration:
 
 def stock(scene: Scene, configuration: Configuration, folder: Path) -> Any:
     """The same particles in stock styles."""
-    tables = stock_tables(scene)
+    terms, tables = Terms(scene), stock_tables(scene)
     for table in [*tables.values(), stretch_table(scene)]:
         table.write(folder / f"{table.keyword}.table")
     configuration.write_data(folder / "stock.data", scene.kinds)
@@ -89,9 +83,9 @@ def stock(scene: Scene, configuration: Configuration, folder: Path) -> Any:
         set group cells mol v_own
         neigh_modify every 1 delay 0 check yes exclude molecule/intra cells
         neighbor {scene.numerics.neighbor_skin} multi
-        comm_modify cutoff {ghost_cutoff(scene, configuration)}
+        comm_modify cutoff {ghost_cutoff(terms, configuration)}
         group dermis type dermal
-        fix wall dermis wall/lj126 zlo 0.0 {wall_coefficients(scene)}
+        fix wall dermis wall/lj126 zlo 0.0 {terms.wall}
         fix motion all brownian 1.0 1 gamma_t 1.0 rng none
         timestep {scene.numerics.timestep}
         thermo 1000
@@ -109,7 +103,7 @@ def stock(scene: Scene, configuration: Configuration, folder: Path) -> Any:
 
 def uncored(scene: Scene) -> dict[str, object]:
     """Variables with which nobody watches how close particles come."""
-    return {"has_cores": 0, "pair_styles": " ".join(term.style for term in pair_terms(scene))}
+    return {"has_cores": 0, "pair_styles": " ".join(term.style for term in Terms(scene).pairs)}
 
 
 def half(scene: Scene) -> float:
@@ -118,7 +112,7 @@ def half(scene: Scene) -> float:
 
 def stock_tables(scene: Scene) -> dict[tuple[int, int], Table]:
     """One table for each pair of types: the sum of its terms; nothing at all as zeros."""
-    shapes = {shape.name: shape for shape in pair_shapes(scene)}
+    shapes = Terms(scene).shapes
     kinds = scene.kinds
     tables = {}
     for i, first in enumerate(kinds, 1):

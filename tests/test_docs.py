@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 from lammps_skin.cli import app
 from lammps_skin.cli.options import scene_from
-from lammps_skin.model import parameters, potentials, terms
+from lammps_skin.model import parameters, potentials
 from lammps_skin.model.accuracy import LEVELS
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
+from lammps_skin.model.terms import TERMS, Terms
 from lammps_skin.start.build import SCRIPTS
 from lammps_skin.start.packing import FORCE_TOLERANCE, dermal_count
 from pages import BY_NAME, PACKAGE, PAGES, ROOT, codes, commands, fences, rows, section, text
@@ -155,7 +156,7 @@ def test_parameter_sets() -> None:
 
     x = np.linspace(1.0, 2.0, 10_001)
     pulls = [
-        terms.adhesion_stiffness(scene)[0] / scene.contact
+        Terms(scene).adhesion / scene.contact
         * potentials.adhesion_slope(x, scene.cells.adhesion_range).max()
         for scene in scenes
     ]  # fmt: skip
@@ -375,7 +376,7 @@ PAGES_OF_STYLES = [f"docs/{path.name}" for path in (ROOT / "docs").glob("*_skin*
 
 def test_terms() -> None:
     table = rows(section("architecture.md", "Terms"))
-    assert [row[0].strip("`") for row in table] == list(terms.TERMS)
+    assert [row[0].strip("`") for row in table] == list(TERMS)
     for row in table:
         assert callable(getattr(potentials, codes(row[2])[0].removeprefix("model.potentials.")))
     ours = {name for row in table for name in re.findall(r"`([^`]+)` \(ours\)", row[1])}

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import division_spring
+from lammps_skin.model.terms import Terms
 from lammps_skin.start import lattice
 from lammps_skin.start.configuration import Configuration
 
@@ -222,7 +222,7 @@ def told_events(scene: Scene, seed: int, founders: dict[int, float], until: floa
 
     Founders are the ids of the stem cells and the times of their first divisions.
     """
-    _, start, rate, end = division_spring(scene)
+    _, start, rate, end = Terms(scene).division
     left = dict.fromkeys(founders, math.inf)
     done: Counter[int] = Counter()
     due = [(time, cell) for cell, time in founders.items()]

@@ -9,7 +9,7 @@ import pytest
 from lammps_skin.engine.engine import Cells
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import division_spring
+from lammps_skin.model.terms import Terms
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.trajectory.dump import write_dump
@@ -206,7 +206,7 @@ def test_removal_does_not_wait_for_others(
 def test_what_comes_first_ends_the_pair(grown: float, dying: int, tmp_path: Path) -> None:
     """The pair grows up and one of it detaches between two steps that handle events."""
     scene = membrane_scene(**{"numerics.timestep": 0.02, "numerics.event_interval": 0.2})
-    _, start, rate, end = division_spring(scene)
+    _, start, rate, end = Terms(scene).division
     crossing, found = 0.09, 0.1
     heights = [1.2 * CONTACT - crossing if cell == dying else NEAR for cell in (673, 674)]
     row = place(scene, []).positions[:6:5]

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 import pytest
 from lammps_skin.model.tables import Table
-from lammps_skin.model.terms import pair_terms, stretch_table
+from lammps_skin.model.terms import Terms, stretch_table
 from lammps_skin.run.simulation import Simulation
 from model_states import (
     CELLS,
@@ -302,8 +302,7 @@ def test_momentum(term: str, shape: str, parameters: str) -> None:
 def tables(case: Prepared, **changes: object) -> dict[str, Table]:
     """Return the tables of a scene by term."""
     scene = case.scene.replace(**changes)
-    found = {term.name: term.table for term in pair_terms(scene) if term.table}
-    return found | {"stretch": stretch_table(scene)}
+    return Terms(scene).tables | {"stretch": stretch_table(scene)}
 
 
 @pytest.mark.parametrize("style", ["linear", "spline"])

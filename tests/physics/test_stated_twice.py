@@ -5,7 +5,7 @@ import pytest
 from lammps_skin.kinds import Kind
 from lammps_skin.model import parameters, potentials
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import adhesion_stiffness, division_spring
+from lammps_skin.model.terms import Terms
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import lattice
 from lammps_skin.start.configuration import Configuration
@@ -77,17 +77,17 @@ def attachment_energies(scene: Scene, state: Configuration) -> tuple[float, floa
     assert (x[adhering] > lam).any()
     assert (x[bound] < 1).any()
     assert (x[bound] > 1).any()
-    adhesion, binding = adhesion_stiffness(scene)
+    terms = Terms(scene)
     return (
-        adhesion * float(potentials.adhesion(x[adhering], lam).sum()),
-        binding * float(potentials.binding(x[bound]).sum()),
+        terms.adhesion * float(potentials.adhesion(x[adhering], lam).sum()),
+        terms.binding * float(potentials.binding(x[bound]).sum()),
     )
 
 
 def division_energy(scene: Scene, state: Configuration) -> float:
     pair = np.flatnonzero(state.pair)
     distance = float(np.linalg.norm(between(state, pair[:1], pair[1:])))
-    stiffness, start, rate, _ = division_spring(scene)
+    stiffness, start, rate, _ = Terms(scene).division
     return stiffness * float(potentials.division_spring(distance, start + rate * AGE))
 
 

@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from lammps_skin.analysis.geometry import Floats
-from lammps_skin.engine.engine import FIX_TERMS
 from lammps_skin.errors import SkinError
-from lammps_skin.model.terms import TERMS
+from lammps_skin.model.terms import FIX_TERMS, TERMS
 
 COLUMNS = {
     "Time": "time",

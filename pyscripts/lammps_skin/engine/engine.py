@@ -16,14 +16,11 @@ from numpy.typing import NDArray
 
 from lammps_skin.errors import SimulationError
 from lammps_skin.kinds import CELLS, Kind
-from lammps_skin.model.terms import TERMS
+from lammps_skin.model.terms import FIX_TERMS, TERMS
 from lammps_skin.plugin import folder
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
-
-# the terms that fix skin/cells computes, in the order of its global vector
-FIX_TERMS = ("adhesion", "binding", "division")
 
 _mpi: ctypes.CDLL | None = None
 

@@ -11,12 +11,7 @@ from matplotlib.figure import Figure
 from lammps_skin.analysis.geometry import Floats
 from lammps_skin.model import potentials
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import (
-    TERMS,
-    adhesion_stiffness,
-    division_spring,
-    pair_shapes,
-)
+from lammps_skin.model.terms import TERMS, Terms
 from lammps_skin.style import plain
 
 AGE = 5.0  # of the dividing pair whose spring is shown, time
@@ -39,14 +34,13 @@ def curves(scene: Scene) -> dict[str, Curve]:
     x is the distance over the contact length, the angle between the normals of two triangles
     (bend), or the distance of a dividing pair of age `AGE` (division).
     """
-    membrane, cells = scene.membrane, scene.cells
-    adhesion, binding = adhesion_stiffness(scene)
+    membrane, cells, terms = scene.membrane, scene.cells, Terms(scene)
     x = np.linspace(0.85, 1.6, POINTS)
     found = {
-        "adhesion": Curve("x", x, adhesion * potentials.adhesion(x, cells.adhesion_range)),
-        "binding": Curve("x", x, binding * potentials.binding(x)),
+        "adhesion": Curve("x", x, terms.adhesion * potentials.adhesion(x, cells.adhesion_range)),
+        "binding": Curve("x", x, terms.binding * potentials.binding(x)),
     }
-    for shape in pair_shapes(scene):
+    for shape in terms.shapes.values():
         x = np.linspace(0.85 if shape.lennard_jones else 0.6, 1.6, POINTS)
         energy = np.where(x < shape.range, shape.stiffness * shape.energy(x), 0.0)
         found[shape.name] = Curve("x", x, energy)
@@ -57,7 +51,7 @@ def curves(scene: Scene) -> dict[str, Curve]:
     bend = membrane.bending_stiffness * potentials.bending(np.cos(angle))
     found["bend"] = Curve("angle", angle, bend)
     found["stretch"] = _stretch(scene)
-    stiffness, start, rate, end = division_spring(scene)
+    stiffness, start, rate, end = terms.division
     distance = np.linspace(0.0, 2 * cells.radius, POINTS)
     length = min(start + rate * AGE, end)
     spring = stiffness * potentials.division_spring(distance, length)

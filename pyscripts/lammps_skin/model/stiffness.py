@@ -11,7 +11,7 @@ import numpy as np
 from lammps_skin.model.accuracy import reach
 from lammps_skin.model.potentials import stretch_slope
 from lammps_skin.model.scene import Membrane, Scene
-from lammps_skin.model.terms import adhesion_stiffness, division_spring
+from lammps_skin.model.terms import Terms
 
 FOLDED = 180.0  # largest eigenvalue of a crowded membrane with the default stiffnesses
 STEP = 1e-4  # of a difference quotient, relative
@@ -40,15 +40,14 @@ def stiffest(scene: Scene) -> Stiffest:
 
 
 def _motions(scene: Scene) -> Iterator[Stiffest]:
-    cells, membrane = scene.cells, scene.membrane
+    cells, membrane, terms = scene.cells, scene.membrane, Terms(scene)
     limit = scene.numerics.stiffness_limit or math.inf
     yield Stiffest("links of the membrane", min(6 * _link(scene), limit))
     if scene.has_cells:
-        adhesion, binding = (k / scene.contact**2 for k in adhesion_stiffness(scene))
-        yield Stiffest("binding", 2 * binding)
+        yield Stiffest("binding", 2 * terms.binding / scene.contact**2)
     if cells.stem:
-        yield Stiffest("adhesion", 2 * adhesion)
-        yield Stiffest("division springs", 2 * division_spring(scene)[0])
+        yield Stiffest("adhesion", 2 * terms.adhesion / scene.contact**2)
+        yield Stiffest("division springs", 2 * terms.division.stiffness)
         yield Stiffest("folds of the membrane", min(FOLDED * _relative(membrane), limit))
 
 

@@ -2,12 +2,16 @@
 
 A term whose shape is Lennard-Jones is exactly ``pair_style lj/cut``: K phi(d/D) is
 4 epsilon ((sigma/d)^12 - (sigma/d)^6) with epsilon = K/12 and sigma = D/2^(1/6).
+
+`Terms` answers for one scene.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +39,9 @@ TERMS = (
 )
 """Names of all terms of the model."""
 
+FIX_TERMS = ("adhesion", "binding", "division")
+"""The terms that fix skin/cells computes, in the order of its global vector."""
+
 PAIRS = {
     "dermis_dermis": "dermal_dermal",
     "dermis_membrane": "dermal_membrane",
@@ -53,7 +60,6 @@ class StyledTerm:
     name: str
     style: str
     coefficients: str
-    cutoff: float = 0.0
     table: Table | None = None
 
 
@@ -99,8 +105,124 @@ def lennard_jones(stiffness: float, contact: float, cutoff: float) -> str:
     return f"{stiffness / 12!r} {contact / 2 ** (1 / 6)!r} {cutoff!r}"
 
 
-def pair_shapes(scene: Scene) -> list[Shape]:
-    """The pair terms that this scene has."""
+class DivisionSpring(NamedTuple):
+    """Stiffness of the spring of a dividing pair; its natural length grows from start to end."""
+
+    stiffness: float
+    start: float
+    rate: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Terms:
+    """The terms of one scene; each property is worked out when it is first asked for.
+
+    Examples
+    --------
+    >>> terms = Terms(Scene.load("two-cells"))
+    >>> [term.style for term in terms.pairs]
+    """
+
+    scene: Scene
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the terms that the scene has, in the order of `TERMS`."""
+        present = {*self.shapes, "stretch", "bend"}
+        if self.scene.dermis.present:
+            present.add("wall")
+        if self.scene.has_cells:
+            present.update(FIX_TERMS)
+        return tuple(name for name in TERMS if name in present)
+
+    @cached_property
+    def shapes(self) -> dict[str, Shape]:
+        """The pair terms as formulas, by name."""
+        return {shape.name: shape for shape in _pair_shapes(self.scene)}
+
+    @cached_property
+    def pairs(self) -> tuple[StyledTerm, ...]:
+        """The sub-styles of ``pair_style hybrid/overlay`` and their coefficients, in order."""
+        return tuple(_styled(shape, self.scene) for shape in self.shapes.values())
+
+    @cached_property
+    def cores(self) -> dict[str, str]:
+        """Style and coefficients by which stock pair styles are watched, for pairs of particles.
+
+        Empty where there is nothing to watch: the pair styles of the plugin know their cores. Fix
+        skin/cells watches cells and the membrane, but not before a table has come to its end.
+        """
+        return _cores([*self.shapes.values()], self.scene.numerics.pair_form)
+
+    @cached_property
+    def stretch(self) -> StyledTerm:
+        """``bond_style skin/stretch``, or ``bond_style table`` where the scene wants tables."""
+        numerics, membrane = self.scene.numerics, self.scene.membrane
+        if numerics.pair_form == "table":
+            table = stretch_table(self.scene)
+            style = f"table {numerics.table_style} {len(table.distances)}"
+            return StyledTerm("stretch", style, f"stretch.table {table.keyword}", table)
+        contact = 2 * membrane.radius
+        scale = contact if self.scene.force_scale == "direct" else 1.0
+        coefficients = (
+            f"{membrane.stretch_stiffness!r} {contact!r} {membrane.elasticity!r} "
+            f"{membrane.spacing_ratio!r} {scale!r}"
+        )
+        return StyledTerm("stretch", "skin/stretch", coefficients)
+
+    @cached_property
+    def tables(self) -> dict[str, Table]:
+        """The tables that LAMMPS reads, by the name of their term."""
+        return {term.name: term.table for term in (*self.pairs, self.stretch) if term.table}
+
+    @property
+    def wall(self) -> str:
+        """Coefficients of ``fix wall/lj126``: exclusion in x = z / R_d."""
+        radius = self.scene.dermis.radius
+        return lennard_jones(self.scene.dermis.wall_stiffness, radius, radius)
+
+    @property
+    def adhesion(self) -> float:
+        """K of adhesion: with direct forces times the contact length."""
+        return self.scene.cells.adhesion_stiffness * self._attachment_scale
+
+    @property
+    def binding(self) -> float:
+        """K of binding: with direct forces times the contact length."""
+        return self.scene.cells.binding_stiffness * self._attachment_scale
+
+    @property
+    def _attachment_scale(self) -> float:
+        return self.scene.contact if self.scene.force_scale == "direct" else 1.0
+
+    @property
+    def division(self) -> DivisionSpring:
+        """The spring of dividing pairs."""
+        cells = self.scene.cells
+        end = 2 * cells.radius
+        if cells.division_spring == "length":
+            start = 2 * cells.division_separation * cells.radius
+            return DivisionSpring(cells.division_stiffness, start, cells.division_rate, end)
+        stiffness = cells.division_stiffness / end**2
+        return DivisionSpring(stiffness, 0.0, cells.division_rate * end, end)
+
+    @cached_property
+    def cutoffs(self) -> dict[str, float]:
+        """Ranges of the pair terms and of adhesion, as far as the scene has them."""
+        found = {name: shape.contact * shape.range for name, shape in self.shapes.items()}
+        if self.scene.has_cells:
+            found["adhesion"] = self.scene.cells.adhesion_range * self.scene.contact
+        return found
+
+    @property
+    def longest_link(self) -> float:
+        """Length at which the energy of a link of the membrane is infinite."""
+        return 2 * self.scene.membrane.radius * (1 + self.scene.membrane.spacing_ratio)
+
+
+def _pair_shapes(scene: Scene) -> list[Shape]:
+    """The pair terms that a scene has."""
     dermis, membrane, cells = scene.dermis, scene.membrane, scene.cells
     ex, ex_slope = potentials.exclusion, potentials.exclusion_slope
     shapes = [
@@ -144,37 +266,24 @@ def pair_shapes(scene: Scene) -> list[Shape]:
     return shapes
 
 
-def pair_terms(scene: Scene) -> list[StyledTerm]:
-    """The sub-styles of ``pair_style hybrid/overlay`` and their coefficients, in order."""
-    numerics = scene.numerics
-    terms = []
-    for shape in pair_shapes(scene):
-        cutoff = shape.contact * shape.range
-        if numerics.pair_form == "skin":
-            values = shape.stiffness, shape.contact, *shape.more, shape.range
-            terms.append(StyledTerm(shape.name, shape.own, " ".join(map(repr, values)), cutoff))
-            continue
-        if shape.lennard_jones and numerics.pair_form == "analytic":
-            coefficients = lennard_jones(shape.stiffness, shape.contact, cutoff)
-            terms.append(StyledTerm(shape.name, f"lj/cut {cutoff!r}", coefficients, cutoff, None))
-            continue
-        table = shape.table(numerics.table_points)
-        style = f"table {numerics.table_style} {len(table.distances)}"
-        coefficients = f"{shape.name}.table {table.keyword} {cutoff!r}"
-        terms.append(StyledTerm(shape.name, style, coefficients, cutoff, table))
-    return terms
+def _styled(shape: Shape, scene: Scene) -> StyledTerm:
+    """A pair term as the style that the scene wants."""
+    numerics, cutoff = scene.numerics, shape.contact * shape.range
+    if numerics.pair_form == "skin":
+        values = shape.stiffness, shape.contact, *shape.more, shape.range
+        return StyledTerm(shape.name, shape.own, " ".join(map(repr, values)))
+    if shape.lennard_jones and numerics.pair_form == "analytic":
+        coefficients = lennard_jones(shape.stiffness, shape.contact, cutoff)
+        return StyledTerm(shape.name, f"lj/cut {cutoff!r}", coefficients)
+    table = shape.table(numerics.table_points)
+    style = f"table {numerics.table_style} {len(table.distances)}"
+    coefficients = f"{shape.name}.table {table.keyword} {cutoff!r}"
+    return StyledTerm(shape.name, style, coefficients, table)
 
 
-def cores(scene: Scene) -> dict[str, str]:
-    """Style and coefficients by which stock pair styles are watched, for pairs of particles.
-
-    Empty where there is nothing to watch: the pair styles of the plugin know their cores. Fix
-    skin/cells watches cells and the membrane, but not before a table has come to its end.
-    """
-    form = scene.numerics.pair_form
+def _cores(shapes: list[Shape], form: str) -> dict[str, str]:
     if form == "skin":
         return {}
-    shapes = pair_shapes(scene)
     found = {PAIRS[shape.name]: "none" for shape in shapes}
     for shape in shapes:  # exclusion comes before adhesion
         pair = PAIRS[shape.name]
@@ -188,12 +297,6 @@ def cores(scene: Scene) -> dict[str, str]:
             first = max(tables, default=0.0)
             found[pair] = f"skin/core {shape.inner!r} {shape.contact!r} {first!r}"
     return found if set(found.values()) != {"none"} else {}
-
-
-def wall_coefficients(scene: Scene) -> str:
-    """Coefficients of ``fix wall/lj126``: exclusion in x = z / R_d."""
-    radius = scene.dermis.radius
-    return lennard_jones(scene.dermis.wall_stiffness, radius, radius)
 
 
 def stretch_table(scene: Scene) -> Table:
@@ -214,38 +317,6 @@ def stretch_table(scene: Scene) -> Table:
     grid = bond_grid(0.2 * d2 * contact, d2 * contact, singular - 0.2 * d2 * contact,
                      scene.numerics.table_points)  # fmt: skip
     return Table("STRETCH", energy, force, grid, squared=False)
-
-
-def stretch_term(scene: Scene) -> StyledTerm:
-    """``bond_style skin/stretch``, or ``bond_style table`` where the scene wants tables."""
-    numerics, membrane = scene.numerics, scene.membrane
-    if numerics.pair_form == "table":
-        table = stretch_table(scene)
-        style = f"table {numerics.table_style} {len(table.distances)}"
-        return StyledTerm("stretch", style, f"stretch.table {table.keyword}", table=table)
-    contact = 2 * membrane.radius
-    scale = contact if scene.force_scale == "direct" else 1.0
-    coefficients = (
-        f"{membrane.stretch_stiffness!r} {contact!r} {membrane.elasticity!r} "
-        f"{membrane.spacing_ratio!r} {scale!r}"
-    )
-    return StyledTerm("stretch", "skin/stretch", coefficients)
-
-
-def adhesion_stiffness(scene: Scene) -> tuple[float, float]:
-    """K of adhesion and of binding: with direct forces times the contact length."""
-    scale = scene.contact if scene.force_scale == "direct" else 1.0
-    return scene.cells.adhesion_stiffness * scale, scene.cells.binding_stiffness * scale
-
-
-def division_spring(scene: Scene) -> tuple[float, float, float, float]:
-    """Stiffness, first length, growth rate and last length of the division spring."""
-    cells = scene.cells
-    end = 2 * cells.radius
-    if cells.division_spring == "length":
-        start = 2 * cells.division_separation * cells.radius
-        return cells.division_stiffness, start, cells.division_rate, end
-    return cells.division_stiffness / end**2, 0.0, cells.division_rate * end, end
 
 
 def cell_kinds(scene: Scene) -> list[Kind]:

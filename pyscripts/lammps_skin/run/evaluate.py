@@ -19,7 +19,7 @@ from lammps_skin.errors import ConfigurationError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model import potentials
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import division_spring, pair_shapes
+from lammps_skin.model.terms import Terms
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import lattice
 from lammps_skin.start.configuration import Configuration
@@ -157,7 +157,7 @@ def configuration_of(text: Text, scene: Scene) -> Configuration:
         divisions_left=np.array(text.divisions_left, int),
         time=text.time,
     )
-    _, start, rate, end = division_spring(scene)
+    _, start, rate, end = Terms(scene).division
     for i, j, length in text.pairs:
         if not 0 <= length <= end:
             raise ConfigurationError(
@@ -226,12 +226,12 @@ def evaluate(
 
 def _adhesion_plateau(scene: Scene, configuration: Configuration) -> float:
     """The plateau of u_ad that the pairs within its range have in the unshifted convention."""
-    for shape in pair_shapes(scene):
-        if shape.name == "cell_cell_adhesion":
-            pairs = _pairs_within(configuration, shape.range * shape.contact)
-            depth = float(-potentials.shifted_adhesion(0.0, scene.cells.adhesion_range))
-            return shape.stiffness * depth * pairs
-    return 0.0
+    shape = Terms(scene).shapes.get("cell_cell_adhesion")
+    if shape is None:
+        return 0.0
+    pairs = _pairs_within(configuration, shape.range * shape.contact)
+    depth = float(-potentials.shifted_adhesion(0.0, scene.cells.adhesion_range))
+    return shape.stiffness * depth * pairs
 
 
 def _pairs_within(configuration: Configuration, cutoff: float) -> int:

@@ -12,12 +12,12 @@ from types import TracebackType
 from typing import Any, Self
 
 from lammps_skin.engine.built import check_data, load_built
-from lammps_skin.engine.engine import FIX_TERMS, Cells, Engine, Floats, Forces, Ints, Motion
+from lammps_skin.engine.engine import Cells, Engine, Floats, Forces, Ints, Motion
 from lammps_skin.engine.ranks import RankedEngine, check_alone
 from lammps_skin.errors import SceneError, SimulationError, SkinError
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.stiffness import longest_timestep
-from lammps_skin.model.terms import pair_terms
+from lammps_skin.model.terms import Terms
 from lammps_skin.run.checkpoints import PART, Checkpoints, find_resumption
 from lammps_skin.run.hold import Hold
 from lammps_skin.run.interruption import Interruption
@@ -123,7 +123,7 @@ class Simulation:
     def _open(self, ranks: int, threads: int, variables: dict[str, Any], held: Hold) -> Any:
         """LAMMPS with the scene that is built in the directory."""
         arguments = (
-            self.directory, self.scene.kinds, present_terms(self.scene),
+            self.directory, self.scene.kinds, Terms(self.scene).names,
             {**variables, "running": 0, "dump_interval": 0, "restart_file": PART}, threads,
         )  # fmt: skip
         try:
@@ -363,13 +363,3 @@ def start_time(directory: Path) -> float:
         return next(float(words[3]) for words in statements if words[1:2] == ["start_time"])
     except (OSError, ValueError, IndexError, StopIteration):
         raise SceneError(f"{path}: states no start_time; build the scene again") from None
-
-
-def present_terms(scene: Scene) -> tuple[str, ...]:
-    """Names of the terms that a scene has."""
-    terms = [term.name for term in pair_terms(scene)] + ["stretch", "bend"]
-    if scene.dermis.present:
-        terms.append("wall")
-    if scene.has_cells:
-        terms += FIX_TERMS
-    return tuple(terms)

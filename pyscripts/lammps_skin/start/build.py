@@ -6,7 +6,7 @@ import math
 import shutil
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -16,16 +16,7 @@ from lammps_skin.errors import SceneError, one_line
 from lammps_skin.kinds import Kind
 from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import (
-    StyledTerm,
-    adhesion_stiffness,
-    cell_kinds,
-    cores,
-    division_spring,
-    pair_terms,
-    stretch_term,
-    wall_coefficients,
-)
+from lammps_skin.model.terms import StyledTerm, Terms, cell_kinds
 from lammps_skin.plugin import installed
 from lammps_skin.start.configuration import Configuration
 
@@ -68,20 +59,16 @@ def build(
 
 
 def _write(scene: Scene, scripts: Path, directory: Path, configuration: Configuration) -> None:
-    terms = pair_terms(scene)
+    terms = Terms(scene)
     for script in SCRIPTS:
         if _needed(script, scene):
             shutil.copyfile(scripts / script, directory / script)
-    for term in terms:
-        if term.table:
-            term.table.write(directory / f"{term.name}.table")
-    stretch = stretch_term(scene)
-    if stretch.table:
-        stretch.table.write(directory / "stretch.table")
+    for name, table in terms.tables.items():
+        table.write(directory / f"{name}.table")
     configuration.write_data(directory / "skin.data", scene.kinds)
     (directory / SCENE_FILE).write_text(to_toml(scene.given()), encoding="utf-8")
     lines = [f"# {scene.name}: {_comment(scene.description) or 'numbers of this scene'}", ""]
-    lines += _variables(scene, configuration, terms)
+    lines += _variables(terms, configuration)
     (directory / "scene.in").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
@@ -95,10 +82,9 @@ def _comment(text: str) -> str:
     return one_line(text.translate({ord(c): " " for c in '"&'}))
 
 
-def _variables(
-    scene: Scene, configuration: Configuration, terms: list[StyledTerm]
-) -> Iterator[str]:
+def _variables(terms: Terms, configuration: Configuration) -> Iterator[str]:
     """Lines of scene.in; index variables can be overridden with ``-var``."""
+    scene = terms.scene
 
     def index(name: str, value: Any) -> str:
         return f"variable        {name} index {value}"
@@ -129,33 +115,31 @@ def _variables(
     yield index("start_time", float(configuration.time))
     yield "\n# numerics"
     yield index("neighbor_skin", scene.numerics.neighbor_skin)
-    yield index("ghost_cutoff", ghost_cutoff(scene, configuration))
+    yield index("ghost_cutoff", ghost_cutoff(terms, configuration))
     yield string("collections", *_collections(scene))
     yield index("bin_size", scene.spacing + scene.numerics.neighbor_skin)
     yield "\n# pair terms: sub-style, where its table is if it has one, and its coefficients"
-    watched = cores(scene)
-    styles = ["skin/core"] * bool(watched) + [term.style for term in terms]
+    styles = ["skin/core"] * bool(terms.cores) + [term.style for term in terms.pairs]
     yield string("pair_styles", *styles)
-    for term, style in zip(terms, _numbered(terms), strict=True):
+    for term, style in zip(terms.pairs, _numbered(terms.pairs), strict=True):
         yield string(f"{term.name}_style", style)
         yield index(f"{term.name}_path", "${dir}/" if term.table else '""')
         yield string(term.name, term.coefficients)
-    yield index("has_cores", int(bool(watched)))
-    for pair, core in watched.items():
+    yield index("has_cores", int(bool(terms.cores)))
+    for pair, core in terms.cores.items():
         yield string(f"{pair}_core", core)
     yield "\n# membrane"
-    stretch = stretch_term(scene)
-    yield string("stretch_style", stretch.style)
-    yield index("stretch_path", "${dir}/" if stretch.table else '""')
-    yield string("stretch", stretch.coefficients)
-    yield string("link_limits", *_link_limits(stretch))
+    yield string("stretch_style", terms.stretch.style)
+    yield index("stretch_path", "${dir}/" if terms.stretch.table else '""')
+    yield string("stretch", terms.stretch.coefficients)
+    yield string("link_limits", *_link_limits(terms.stretch))
     yield index("bending_stiffness", scene.membrane.bending_stiffness)
     if scene.dermis.present:
         yield "\n# dermis"
-        yield string("wall", wall_coefficients(scene))
+        yield string("wall", terms.wall)
         yield index("frozen_below", scene.dermis.frozen_below)
     if scene.has_cells:
-        yield from _cell_variables(scene, string)
+        yield from _cell_variables(terms, string)
 
 
 def _link_limits(stretch: StyledTerm) -> list[str]:
@@ -165,21 +149,20 @@ def _link_limits(stretch: StyledTerm) -> list[str]:
     return ["link", *(repr(float(stretch.table.distances[end])) for end in (0, -1))]
 
 
-def _cell_variables(scene: Scene, string: Any) -> Iterator[str]:
-    cells = scene.cells
+def _cell_variables(terms: Terms, string: Any) -> Iterator[str]:
+    scene, cells = terms.scene, terms.scene.cells
     numbers = [scene.kinds.index(kind) + 1 for kind in cell_kinds(scene)]
-    adhesion, binding = adhesion_stiffness(scene)
     yield "\n# cells"
     yield string("cell_types", f"{min(numbers)}*{max(numbers)}")
     yield string("cell_labels", *(kind.label for kind in cell_kinds(scene)))
     yield string("cell_kinds", *(f"{kind.label} {kind.label}" for kind in cell_kinds(scene)))
     yield string("contact", scene.contact)
     yield string("core", CORE * scene.contact if cells.membrane_exclusion_stiffness else 0)
-    yield string("adhesion", adhesion, cells.adhesion_range)
-    yield string("binding", binding)
+    yield string("adhesion", terms.adhesion, cells.adhesion_range)
+    yield string("binding", terms.binding)
     yield string("cycle", cells.cycle_delay, cells.cycle_rate, cells.first_phase)
     yield string("generations", cells.generations)
-    yield string("spring", *division_spring(scene))
+    yield string("spring", *terms.division)
     yield string("offset", cells.division_separation * cells.radius)
     yield string("next_id", 1)
 
@@ -191,7 +174,7 @@ def _collections(scene: Scene) -> list[str]:
     return ["2", membrane, ",".join(larger)] if larger else ["1", membrane]
 
 
-def _numbered(terms: list[StyledTerm]) -> Iterator[str]:
+def _numbered(terms: Sequence[StyledTerm]) -> Iterator[str]:
     """Names of sub-styles as hybrid wants them: with a number where one occurs several times."""
     names = [term.style.split()[0] for term in terms]
     total, seen = Counter(names), Counter[str]()
@@ -200,13 +183,12 @@ def _numbered(terms: list[StyledTerm]) -> Iterator[str]:
         yield f"{name} {seen[name]}" if total[name] > 1 else name
 
 
-def ghost_cutoff(scene: Scene, configuration: Configuration) -> float:
+def ghost_cutoff(terms: Terms, configuration: Configuration) -> float:
     """Reach of ghost particles: pairs, links, dividing pairs, and the nearest membrane particle."""
-    skin = scene.numerics.neighbor_skin
-    link = 2 * scene.membrane.radius * (1 + scene.membrane.spacing_ratio)
-    reach = [max(term.cutoff for term in pair_terms(scene)) + skin, link + skin]
+    scene, skin = terms.scene, terms.scene.numerics.neighbor_skin
+    reach = [max(terms.cutoffs[name] for name in terms.shapes) + skin, terms.longest_link + skin]
     if scene.has_cells:
-        detachment = scene.cells.adhesion_range * scene.contact
+        detachment = terms.cutoffs["adhesion"]
         _, distance = configuration.nearest_membrane()
         furthest = float(distance[configuration.is_cell].max(initial=0.0))
         reach.append(max(detachment, furthest) + 2.5 * skin)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from lammps_skin.errors import ConfigurationError, SceneError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import pair_shapes
+from lammps_skin.model.terms import Terms
 from lammps_skin.start import lattice
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.memory import check_memory
@@ -174,13 +174,13 @@ class Configuration:
         delta = self.positions[self.links[:, 0]] - self.positions[self.links[:, 1]]
         delta[:, :2] -= self.box[:2] * np.round(delta[:, :2] / self.box[:2])
         lengths = np.linalg.norm(delta, axis=1)
-        singular = 2 * scene.membrane.radius * (1 + scene.membrane.spacing_ratio)
-        bad = np.flatnonzero((lengths == 0) | (lengths >= singular))
+        longest = Terms(scene).longest_link
+        bad = np.flatnonzero((lengths == 0) | (lengths >= longest))
         if len(bad):
             i, j = self.links[bad[0]]
             raise ConfigurationError(
                 f"positions: the link of the particles {i} and {j} is {lengths[bad[0]]:g} long, "
-                f"must be between 0 and {singular:g}"
+                f"must be between 0 and {longest:g}"
             )
 
     def _check_cells(self, scene: Scene) -> None:
@@ -300,9 +300,7 @@ def _array(
 
 def check_sizes(scene: Scene, box: Sequence[float] | Floats) -> None:
     """Raise `SceneError` if the box is too small for the scene's ranges, or the dermis too big."""
-    ranges = {shape.name: shape.contact * shape.range for shape in pair_shapes(scene)}
-    if scene.has_cells:
-        ranges["adhesion"] = scene.cells.adhesion_range * scene.contact
+    ranges = Terms(scene).cutoffs
     term = max(ranges, key=lambda name: ranges[name])
     skin = scene.numerics.neighbor_skin
     if ranges[term] + 2 * skin > min(box):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from lammps_skin.engine.engine import open_lammps
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import pair_terms, wall_coefficients
+from lammps_skin.model.terms import Terms
 
 Floats = NDArray[np.float64]
 
@@ -110,8 +110,9 @@ def _push_apart(engine: Any, scene: Scene) -> None:
 
 def _relax(engine: Any, scene: Scene, folder: Path) -> None:
     """The scene's own dermal forces."""
-    terms = {term.name: term for term in pair_terms(scene)}
-    between, above = terms["dermis_dermis"], terms["dermis_membrane"]
+    terms = Terms(scene)
+    pairs = {term.name: term for term in terms.pairs}
+    between, above = pairs["dermis_dermis"], pairs["dermis_membrane"]
     for term in (between, above):
         if term.table:
             term.table.write(folder / f"{term.name}.table")
@@ -127,7 +128,7 @@ def _relax(engine: Any, scene: Scene, folder: Path) -> None:
         pair_coeff 1 1 {name} {first} {coefficients(between)}
         pair_coeff 1 2 {other} {second} {coefficients(above)}
         pair_coeff 2 2 none
-        fix wall dermis wall/lj126 zlo 0 {wall_coefficients(scene)}
+        fix wall dermis wall/lj126 zlo 0 {terms.wall}
         min_style fire
         min_modify norm max
         timestep 0.05
