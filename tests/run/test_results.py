@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from lammps_skin.cli import app
+from lammps_skin.cli import application
 from lammps_skin.errors import SkinError
 from lammps_skin.run import hold
 from lammps_skin.run.simulation import Simulation
@@ -43,13 +43,13 @@ def test_looking_at_a_run_changes_nothing(run: Path) -> None:
 
 
 def test_a_time_that_is_past_is_refused(run: Path) -> None:
-    result = CliRunner().invoke(app, ["run", str(run), "--resume", "--until", "3"])
+    result = CliRunner().invoke(application("run"), ["run", str(run), "--resume", "--until", "3"])
     assert result.exit_code != 0
 
 
 def test_a_new_run_that_cannot_begin_leaves_the_old_one(run: Path) -> None:
     (run / "cells.in").write_text("nonsense\n")
-    result = CliRunner().invoke(app, ["run", str(run), "--force"])
+    result = CliRunner().invoke(application("run"), ["run", str(run), "--force"])
     assert result.exit_code != 0
     assert not (run / ".replaced").exists()
 
@@ -59,7 +59,7 @@ def test_a_running_simulation_is_left_alone(run: Path, monkeypatch: pytest.Monke
     with Simulation.resume(run):
         with pytest.raises(SkinError, match="another process still runs in it"):
             Simulation(None, run, replace=True)
-        result = CliRunner().invoke(app, ["run", str(run), "--force"])
+        result = CliRunner().invoke(application("run"), ["run", str(run), "--force"])
         assert result.exit_code != 0
 
 
@@ -78,7 +78,7 @@ def test_plain_lmp_leaves_a_running_simulation_alone(run: Path) -> None:
 
 def begin_anew(run: Path) -> None:
     """With --force, up to the end of the start."""
-    result = CliRunner().invoke(app, ["run", str(run), "--force", "--until", "0.02"])
+    result = CliRunner().invoke(application("run"), ["run", str(run), "--force", "--until", "0.02"])
     assert result.exit_code == 0, result.output
 
 

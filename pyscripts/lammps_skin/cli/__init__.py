@@ -5,49 +5,60 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from importlib.metadata import version
+from importlib import import_module
 from io import TextIOWrapper
 from typing import Annotated
 
 import typer
 from typer.exceptions import TyperException
 
-from lammps_skin.cli.build import build
-from lammps_skin.cli.check import check
-from lammps_skin.cli.convert import convert
-from lammps_skin.cli.ensemble import ensemble
-from lammps_skin.cli.evaluate import evaluate
-from lammps_skin.cli.export import export
-from lammps_skin.cli.figure import figure
-from lammps_skin.cli.run import run
-from lammps_skin.cli.scenes import scenes
-from lammps_skin.cli.snapshot import snapshot
-from lammps_skin.cli.stability import stability
-from lammps_skin.cli.stats import stats
-from lammps_skin.cli.tradeoff import tradeoff
-from lammps_skin.engine.ranks import check_alone, place_in_world
+from lammps_skin.engine.world import check_alone, place_in_world
 from lammps_skin.errors import SkinError, one_line
 
-app = typer.Typer(
-    help="Epidermal stem cells on a deformable basement membrane and dermis, on LAMMPS.",
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
-)
-for command in (
-    scenes, check, build, run, convert, export, evaluate, stats, ensemble, snapshot, figure,
-    tradeoff, stability,
-):  # fmt: skip
-    app.command()(command)
+COMMANDS = {
+    "scenes": "List the built-in scenes and the parameter sets.",
+    "check": "Show what a scene has and what it will cost, without running it.",
+    "build": "Write a scene as LAMMPS input: scripts, tables, data file.",
+    "run": "Run a scene, or a directory that `skin build` has made.",
+    "convert": "Write the trajectory of a run, skin.dump, as an H5MD file that MDAnalysis reads.",
+    "export": (
+        "Write the trajectory of a run for ParaView (--to vtk) or OVITO and LAMMPS (--to dump)."
+    ),
+    "evaluate": "Print energies by term and the force on every particle of a text file.",
+    "stats": "Show the observables of a run: over time, averaged, with events and energies.",
+    "ensemble": "Run scenes with many seeds, and store the observables of each run.",
+    "snapshot": (
+        "Draw a run at a time: in three dimensions, as a map of heights, as a vertical section."
+    ),
+    "figure": "Draw a figure of the paper; what has not been run is run after a question.",
+    "tradeoff": "Compare choices of numerics: error against time.",
+    "stability": "Map the longest stable timesteps, by bisection, beside estimates.",
+}
+"""The subcommands, each a function in a module of its name, and what `skin --help` says of them."""
+
+
+def application(*names: str) -> typer.Typer:
+    """The command; of its subcommands only those named are loaded, which may take a second."""
+    app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    app.callback(invoke_without_command=True)(help_alone)
+    for name, summary in COMMANDS.items():
+        module = import_module(f"{__name__}.{name}") if name in names else None
+        app.command(name, help=summary)(getattr(module, name, _not_loaded))
+    return app
+
+
+def _not_loaded() -> None:
+    """Stands for a subcommand that is not called."""
 
 
 def _print_version(wanted: bool) -> None:
     if wanted:
+        from importlib.metadata import version
+
         print(f"lammps-skin {version('lammps-skin')}, LAMMPS {version('lammps')}")
         raise typer.Exit
 
 
-@app.callback(invoke_without_command=True)
 def help_alone(
     context: typer.Context,
     _: Annotated[
@@ -71,7 +82,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(2)  # the first one tells why
     try:
         check_alone()
-        code = app(arguments, standalone_mode=False, prog_name="skin")
+        words = sys.argv[1:] if arguments is None else arguments
+        called = next((word for word in words if not word.startswith("-")), "")
+        code = application(called)(words, standalone_mode=False, prog_name="skin")
     except (SkinError, TyperException) as error:
         text = error.format_message() if isinstance(error, TyperException) else str(error)
         print(f"error: {one_line(text)}", file=sys.stderr)

@@ -37,11 +37,6 @@ LAUNCHERS = (
     "PMIX_BFROP_", "PMIX_DSTORE_", "PMIX_GDS_", "PMIX_HOSTNAME", "PMIX_ID", "PMIX_NAMESPACE",
     "PMIX_PTL_", "PMIX_RANK", "PMIX_SECURITY_", "PMIX_SERVER_", "PMIX_SYSTEM_", "PMIX_VERSION",
 )  # fmt: skip
-COUNTS = (
-    ("PMI_RANK", "PMI_SIZE"),
-    ("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"),
-    ("SLURM_PROCID", "SLURM_STEP_NUM_TASKS"),
-)
 ENDED = {  # by number, how a rank ended that has said nothing
     signal.SIGKILL: "was killed",
     signal.SIGTERM: "was killed",
@@ -49,24 +44,6 @@ ENDED = {  # by number, how a rank ended that has said nothing
     signal.SIGSEGV: "crashed",
     signal.SIGABRT: "crashed",
 }
-
-
-def place_in_world() -> tuple[int, int]:
-    """Rank of this process among those that mpirun has started together, and their number."""
-    for rank, size in COUNTS:
-        if os.environ.get(size, "").isdigit():
-            return int(os.environ.get(rank, "0")), int(os.environ[size])
-    return 0, 1
-
-
-def check_alone() -> None:
-    """Raise `SimulationError` if mpirun has started this process together with others."""
-    _, size = place_in_world()
-    if size > 1:
-        raise SimulationError(
-            f"mpirun has started {size} processes, and each would do the same: start one, with "
-            f"--ranks {size}, or ranks={size} in Python"
-        )
 
 
 class RankedEngine:

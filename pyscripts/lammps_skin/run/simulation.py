@@ -13,7 +13,8 @@ from typing import Any, Self
 
 from lammps_skin.engine.built import check_data, load_built
 from lammps_skin.engine.engine import Cells, Engine, Floats, Forces, Ints, Motion
-from lammps_skin.engine.ranks import RankedEngine, check_alone
+from lammps_skin.engine.ranks import RankedEngine
+from lammps_skin.engine.world import check_alone
 from lammps_skin.errors import SceneError, SimulationError, SkinError
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.stiffness import longest_timestep
