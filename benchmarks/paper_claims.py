@@ -13,8 +13,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from lammps_skin.analysis.geometry import Floats
 from lammps_skin.analysis.statistics import Mean, mean
+from lammps_skin.arrays import Floats
 from lammps_skin.study.ensemble import Table, load, over_time, window_means
 from scipy.stats import f_oneway
 

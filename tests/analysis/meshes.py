@@ -3,12 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.start import lattice
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Surface = tuple[Floats, Ints, tuple[float, float]]
 
 

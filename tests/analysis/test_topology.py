@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lammps_skin import Configuration, Scene, Simulation
-from lammps_skin.analysis.geometry import Floats, Ints, minimum_image
+from lammps_skin.analysis.geometry import minimum_image
 from lammps_skin.analysis.observables import observables
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import MembraneError
 from lammps_skin.figures import snapshot as pictures
 from lammps_skin.kinds import Kind

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin.analysis.geometry import Floats
+from lammps_skin.arrays import Floats
 from lammps_skin.figures import gallery, snapshot
 from lammps_skin.figures.moments import Moment
 from lammps_skin.kinds import Kind

@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.start import lattice
 
-from tests.analysis.meshes import Floats, Ints, icosphere
+from tests.analysis.meshes import icosphere
 
 BIN = Path(sys.executable).parent
 INVERTED = -0.5  # cosine of 120 degrees

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lammps_skin.analysis.geometry import Bools, Box, Floats, Ints, periodic_tree
+from lammps_skin.analysis.geometry import Box, periodic_tree
+from lammps_skin.arrays import Bools, Floats, Ints
 from lammps_skin.kinds import CELLS, Kind
 
 

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_skin.analysis.geometry import Box, Floats, Ints, minimum_image
+from lammps_skin.analysis.geometry import Box, minimum_image
+from lammps_skin.arrays import Floats, Ints
 
 
 class Curvature(NamedTuple):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_skin.analysis.geometry import Floats
+from lammps_skin.arrays import Floats
 from lammps_skin.errors import SkinError
 from lammps_skin.model.terms import FIX_TERMS, TERMS
 

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lammps_skin.analysis.geometry import Box, Floats, Ints, periodic_tree
+from lammps_skin.analysis.geometry import Box, periodic_tree
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import SkinError
 
 COLUMNS = ("time", "kind", "id", "parent", "type", "x", "y", "z", "divisions_left", "cause")

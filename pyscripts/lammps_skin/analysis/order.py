@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_skin.analysis.geometry import Bools, Box, Floats, Ints
+from lammps_skin.analysis.geometry import Box
+from lammps_skin.arrays import Bools, Floats, Ints
 from lammps_skin.kinds import Kind
 
 

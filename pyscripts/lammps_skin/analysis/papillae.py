@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import fisher_exact
 
-from lammps_skin.analysis.geometry import Bools, Box, Floats, Ints, periodic_tree
+from lammps_skin.analysis.geometry import Box, periodic_tree
 from lammps_skin.analysis.topography import Peaks, peaks
+from lammps_skin.arrays import Bools, Floats, Ints
 
 
 class Papillae(NamedTuple):

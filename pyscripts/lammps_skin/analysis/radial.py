@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from lammps_skin.analysis.geometry import Floats
+from lammps_skin.arrays import Floats
 from lammps_skin.errors import SkinError
 
 with warnings.catch_warnings():

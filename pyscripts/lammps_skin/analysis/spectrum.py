@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_skin.analysis.geometry import Box, Floats, Ints
+from lammps_skin.analysis.geometry import Box
+from lammps_skin.arrays import Floats, Ints
 
 
 class Spectrum(NamedTuple):

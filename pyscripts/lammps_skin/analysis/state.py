@@ -13,7 +13,7 @@ import numpy as np
 
 from lammps_skin.analysis.coverage import coverage
 from lammps_skin.analysis.curvature import curvature
-from lammps_skin.analysis.geometry import Bools, Floats, Ints, nearest
+from lammps_skin.analysis.geometry import nearest
 from lammps_skin.analysis.order import Order, order
 from lammps_skin.analysis.papillae import (
     Papillae,
@@ -26,6 +26,7 @@ from lammps_skin.analysis.papillae import (
     tip_fraction,
 )
 from lammps_skin.analysis.surface import height_field, smooth
+from lammps_skin.arrays import Bools, Floats, Ints
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.special import expit, logit, stdtr
 from scipy.stats import t as student
 
-from lammps_skin.analysis.geometry import Floats
+from lammps_skin.arrays import Floats
 
 FEWEST = 5  # values of a series
 FEWEST_BLOCKS = 20

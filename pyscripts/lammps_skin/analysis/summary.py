@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from lammps_skin.analysis.energies import read_energies
-from lammps_skin.analysis.geometry import Ints
 from lammps_skin.analysis.lineage import Events, clone_sizes, turnover
 from lammps_skin.analysis.observables import FRACTIONS, Observables, Run, Table, open_run
 from lammps_skin.analysis.series import CloneMixing
 from lammps_skin.analysis.state import State, StateAnalysis
 from lammps_skin.analysis.statistics import mean_in_time
+from lammps_skin.arrays import Ints
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import Kind
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from lammps_skin.analysis.geometry import Box, Floats, Ints, minimum_image
+from lammps_skin.analysis.geometry import Box, minimum_image
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import MembraneError
 
 EDGE_TOLERANCE = 1e-9  # in barycentric coordinates: nodes on an edge belong to both triangles

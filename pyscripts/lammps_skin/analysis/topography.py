@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_skin.analysis.geometry import Floats, Ints
+from lammps_skin.arrays import Floats, Ints
 
 STEPS = [(0, 1), (1, -1), (1, 0), (1, 1)]  # to half of the eight neighbors of a node
 Shift = tuple[int, int]

@@ -12,15 +12,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import SimulationError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.terms import FIX_TERMS, TERMS
 from lammps_skin.plugin import folder
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 _mpi: ctypes.CDLL | None = None
 

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from lammps_skin.analysis.geometry import Floats
+from lammps_skin.arrays import Floats
 from lammps_skin.model import potentials
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import TERMS, Terms

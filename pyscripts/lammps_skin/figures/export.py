@@ -12,12 +12,13 @@ import pyvista
 
 from lammps_skin.analysis.curvature import curvature
 from lammps_skin.analysis.geometry import minimum_image
+from lammps_skin.arrays import Ints
 from lammps_skin.errors import SkinError
 from lammps_skin.files import completed
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.dump import Dump, write_dump
-from lammps_skin.trajectory.frame import Frame, Ints
+from lammps_skin.trajectory.frame import Frame
 from lammps_skin.trajectory.store import DUMP, Store, trajectory_of
 from lammps_skin.trajectory.writer import reason
 

@@ -10,7 +10,7 @@ from typing import TypeAlias
 import MDAnalysis
 import numpy as np
 
-from lammps_skin.analysis.geometry import Floats, Ints
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import FigureError
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene

@@ -10,8 +10,9 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.patches import Circle
 
-from lammps_skin.analysis.geometry import Floats, minimum_image, wrapped
+from lammps_skin.analysis.geometry import minimum_image, wrapped
 from lammps_skin.analysis.surface import height_field
+from lammps_skin.arrays import Floats
 from lammps_skin.figures.moments import Moment
 from lammps_skin.figures.palette import COLOURS
 from lammps_skin.kinds import CELLS, Kind

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from lammps_skin.arrays import Floats, Ints
 
 OVERSAMPLING = 2  # pixels drawn for each of the picture, along a side
 LIGHT = np.array([-0.50, 0.42, 0.75])  # towards it: right, up (away from the plane), viewer

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from lammps_skin.analysis.geometry import Floats, minimum_image, wrapped
+from lammps_skin.analysis.geometry import minimum_image, wrapped
+from lammps_skin.arrays import Floats
 from lammps_skin.figures.moments import Moment
 from lammps_skin.figures.palette import COLOURS, SKIN
 from lammps_skin.figures.render import Spheres, Surface, picture
@@ -45,9 +45,7 @@ def cell_spheres(moment: Moment, show: Sequence[Kind]) -> Spheres:
     return Spheres(centers, np.full(len(centers), moment.scene.cells.radius), colours)
 
 
-def view(
-    moment: Moment, show: Sequence[Kind], width: int, below: bool = False
-) -> NDArray[np.float64]:
+def view(moment: Moment, show: Sequence[Kind], width: int, below: bool = False) -> Floats:
     """Picture (height, width, 3) of a moment, from above or from the dermis below it.
 
     Parameters

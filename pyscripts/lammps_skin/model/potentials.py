@@ -10,63 +10,63 @@ along the line between the two. The letters are those of the paper.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from lammps_skin.arrays import Floats
 
 
-def phi(x: ArrayLike) -> Array:
+def phi(x: ArrayLike) -> Floats:
     """Lennard-Jones shape with its minimum -1/12 at x = 1."""
     s = np.asarray(x, float) ** -6
     return s * s / 12 - s / 6
 
 
-def phi_slope(x: ArrayLike) -> Array:
+def phi_slope(x: ArrayLike) -> Floats:
     """Derivative of `phi`."""
     x = np.asarray(x, float)
     s = x**-6
     return (s - s * s) / x
 
 
-def truncated(x: ArrayLike, Lambda: float) -> Array:
+def truncated(x: ArrayLike, Lambda: float) -> Floats:
     """Dermis-membrane: `phi`, cut at Lambda and shifted to 0 there."""
     x = np.asarray(x, float)
     return np.where(x < Lambda, phi(x) - phi(Lambda), 0.0)
 
 
-def truncated_slope(x: ArrayLike, Lambda: float) -> Array:
+def truncated_slope(x: ArrayLike, Lambda: float) -> Floats:
     """Derivative of `truncated`."""
     x = np.asarray(x, float)
     return np.where(x < Lambda, phi_slope(x), 0.0)
 
 
-def dermis(x: ArrayLike, Lambda: float, a1: float, d1: float) -> Array:
+def dermis(x: ArrayLike, Lambda: float, a1: float, d1: float) -> Floats:
     """Dermis-dermis: attraction as in `truncated`, a soft core of stiffness a1 down to d1."""
     x = np.asarray(x, float)
     core = a1 / 2 * (x - 1) ** 2 + np.where(x < d1, phi(x + 1 - d1), phi(1.0)) - phi(Lambda)
     return np.where(x < 1, core, truncated(x, Lambda))
 
 
-def dermis_slope(x: ArrayLike, Lambda: float, a1: float, d1: float) -> Array:
+def dermis_slope(x: ArrayLike, Lambda: float, a1: float, d1: float) -> Floats:
     """Derivative of `dermis`."""
     x = np.asarray(x, float)
     core = a1 * (x - 1) + np.where(x < d1, phi_slope(x + 1 - d1), 0.0)
     return np.where(x < 1, core, truncated_slope(x, Lambda))
 
 
-def exclusion(x: ArrayLike) -> Array:
+def exclusion(x: ArrayLike) -> Floats:
     """Exclusion u_ex: the repulsive part of `phi`, 0 at contact and beyond."""
     x = np.asarray(x, float)
     return np.where(x < 1, phi(x) - phi(1.0), 0.0)
 
 
-def exclusion_slope(x: ArrayLike) -> Array:
+def exclusion_slope(x: ArrayLike) -> Floats:
     """Derivative of `exclusion`."""
     x = np.asarray(x, float)
     return np.where(x < 1, phi_slope(x), 0.0)
 
 
-def stretch(x: ArrayLike, a2: float, d2: float, scale: float = 1.0) -> Array:
+def stretch(x: ArrayLike, a2: float, d2: float, scale: float = 1.0) -> Floats:
     """Membrane link: `phi` below d2, quadratic to 1, singular at x = 1 + d2.
 
     The quadratic branch is a2/2 ((x - d2)/d2)^2, with which the printed A0 and A1 make it
@@ -79,7 +79,7 @@ def stretch(x: ArrayLike, a2: float, d2: float, scale: float = 1.0) -> Array:
     return scale * spring + phi(argument)
 
 
-def stretch_slope(x: ArrayLike, a2: float, d2: float, scale: float = 1.0) -> Array:
+def stretch_slope(x: ArrayLike, a2: float, d2: float, scale: float = 1.0) -> Floats:
     """Derivative of `stretch`."""
     x = np.asarray(x, float)
     spring = np.where(x > 1, a2 * (1 - d2) / d2**2, a2 * (np.maximum(x, d2) - d2) / d2**2)
@@ -87,43 +87,43 @@ def stretch_slope(x: ArrayLike, a2: float, d2: float, scale: float = 1.0) -> Arr
     return scale * spring + np.where(x > 1, -1, 1) * phi_slope(argument) / d2
 
 
-def _line(x: Array, a2: float, d2: float) -> Array:
+def _line(x: Floats, a2: float, d2: float) -> Floats:
     """A0 + A1 x, the continuation of the quadratic branch beyond x = 1."""
     return -a2 * (1 - d2**2) / (2 * d2**2) + a2 * (1 - d2) / d2**2 * x
 
 
-def adhesion(x: ArrayLike, lam: float) -> Array:
+def adhesion(x: ArrayLike, lam: float) -> Floats:
     """Adhesion u_ad: 0 in contact, harmonic at first, flat at (lam - 1)^2/4 beyond lam."""
     s = np.clip(np.asarray(x, float) - 1, 0.0, lam - 1)
     return s**2 / 2 - s**4 / (4 * (lam - 1) ** 2)
 
 
-def adhesion_slope(x: ArrayLike, lam: float) -> Array:
+def adhesion_slope(x: ArrayLike, lam: float) -> Floats:
     """Derivative of `adhesion`."""
     s = np.clip(np.asarray(x, float) - 1, 0.0, lam - 1)
     return s - s**3 / (lam - 1) ** 2
 
 
-def shifted_adhesion(x: ArrayLike, lam: float) -> Array:
+def shifted_adhesion(x: ArrayLike, lam: float) -> Floats:
     """Cell-cell adhesion: `adhesion` minus its plateau, so that it is 0 beyond lam."""
     return adhesion(x, lam) - (lam - 1) ** 2 / 4
 
 
-def binding(x: ArrayLike) -> Array:
+def binding(x: ArrayLike) -> Floats:
     """Binding u_bind of stem and ND cells: 0 in contact, harmonic beyond."""
     return np.maximum(np.asarray(x, float) - 1, 0.0) ** 2 / 2
 
 
-def binding_slope(x: ArrayLike) -> Array:
+def binding_slope(x: ArrayLike) -> Floats:
     """Derivative of `binding`."""
     return np.maximum(np.asarray(x, float) - 1, 0.0)
 
 
-def bending(cosine: ArrayLike) -> Array:
+def bending(cosine: ArrayLike) -> Floats:
     """Bending of a link from the cosine N1.N2 of its triangles' normals: (1 - N1.N2)^2 / 2."""
     return (1 - np.asarray(cosine, float)) ** 2 / 2
 
 
-def division_spring(distance: ArrayLike, length: ArrayLike) -> Array:
+def division_spring(distance: ArrayLike, length: ArrayLike) -> Floats:
     """Division spring: harmonic around its growing natural length (both lengths, not x)."""
     return (np.asarray(distance, float) - np.asarray(length, float)) ** 2 / 2

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from lammps_skin.arrays import Floats
+
 Potential = Callable[[Floats], Floats]
 
 

@@ -14,14 +14,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lammps_skin.arrays import Floats
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model import potentials
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.tables import Table, bond_grid, pair_grid
-
-Floats = NDArray[np.float64]
 
 TERMS = (
     "dermis_dermis",

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lammps_skin.arrays import Floats
 from lammps_skin.engine.engine import Forces
 from lammps_skin.errors import ConfigurationError
 from lammps_skin.kinds import CELLS, Kind
@@ -23,8 +23,6 @@ from lammps_skin.model.terms import Terms
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import lattice
 from lammps_skin.start.configuration import Configuration
-
-Floats = NDArray[np.float64]
 
 LETTERS = {"D": Kind.DERMAL, "M": Kind.MEMBRANE, "S": Kind.STEM, "T": Kind.TA, "N": Kind.ND}
 LETTER_OF = {kind: letter for letter, kind in LETTERS.items()} | {Kind.EXHAUSTED: "T"}

@@ -11,8 +11,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.engine.built import check_data, load_built
-from lammps_skin.engine.engine import Cells, Engine, Floats, Forces, Ints, Motion
+from lammps_skin.engine.engine import Cells, Engine, Forces, Motion
 from lammps_skin.engine.ranks import RankedEngine
 from lammps_skin.engine.world import check_alone
 from lammps_skin.errors import SceneError, SimulationError, SkinError

@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError
 from lammps_skin.model.scene import Scene
-
-Floats = NDArray[np.float64]
 
 RING_RADIUS = 0.3  # of L_x
 PLACEMENT_STREAM = 101  # keeps these random numbers apart from others of the same seed

@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from lammps_skin.arrays import Bools, Floats, Ints
 from lammps_skin.errors import ConfigurationError, SceneError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
@@ -18,9 +19,6 @@ from lammps_skin.start import lattice
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.memory import check_memory
 from lammps_skin.start.packing import dermal_count, pack_dermis
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 NEVER = -1.0  # no time of next division: none is due, or the run draws it
 ROUGHNESS_STREAM = 102
@@ -81,7 +79,7 @@ class Configuration:
                 setattr(self, name, np.full(n, default, int if name in WHOLE else float))
 
     @property
-    def is_cell(self) -> NDArray[np.bool_]:
+    def is_cell(self) -> Bools:
         """Mask (n,) of the cells."""
         return np.isin(self.kinds, CELLS)
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
+from lammps_skin.arrays import Floats, Ints
 
 
 def positions(lattice: tuple[int, int], spacing: float, height: float) -> Floats:

@@ -8,13 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lammps_skin.arrays import Floats
 from lammps_skin.engine.engine import open_lammps
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms
-
-Floats = NDArray[np.float64]
 
 PACKING_STREAM = 103
 # largest force component of a relaxed packing: that of overlaps is gone by then, and what is

@@ -29,10 +29,10 @@ import numpy as np
 from numpy.lib import recfunctions
 
 from lammps_skin.analysis import observables
-from lammps_skin.analysis.geometry import Floats
 from lammps_skin.analysis.observables import FRACTIONS, Table, open_run, save
 from lammps_skin.analysis.observables import load as load
 from lammps_skin.analysis.statistics import Mean, mean
+from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.files import free_name
 from lammps_skin.model.scene import Scene

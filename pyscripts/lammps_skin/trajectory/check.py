@@ -15,10 +15,11 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import DamagedError, SkinError, reading
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
-from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Floats, Frame, Ints
+from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Frame
 from lammps_skin.trajectory.hdf5 import open_hdf5
 
 GROUP = "particles/trajectory"

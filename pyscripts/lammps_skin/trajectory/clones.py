@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from lammps_skin.trajectory.frame import Ints
+from lammps_skin.arrays import Ints
 
 
 class Frames(Protocol):

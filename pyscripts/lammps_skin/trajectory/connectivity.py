@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_skin.arrays import Ints
 from lammps_skin.engine.built import section
 from lammps_skin.errors import SkinError
-from lammps_skin.trajectory.frame import Ints
 
 
 def connectivity(directory: Path) -> tuple[Ints, Ints]:

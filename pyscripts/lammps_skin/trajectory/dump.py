@@ -14,13 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.engine.built import box_sides, load_built
 from lammps_skin.errors import DamagedError, reading
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.check import check_frame
 from lammps_skin.trajectory.connectivity import connectivity
-from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Floats, Frame, Ints
+from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Frame
 
 FIRST_ITEM = b"ITEM: TIME\n"
 HEADER = 11  # lines

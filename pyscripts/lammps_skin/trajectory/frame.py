@@ -7,13 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.kinds import CELLS
-
-Ints = NDArray[np.int64]
-Floats = NDArray[np.float64]
 
 ABSENT = -1
 # with the value of what is not a living cell
@@ -52,7 +49,7 @@ class Frame:
     ids: Ints
     kinds: Ints
     positions: Floats
-    state: Mapping[str, NDArray[np.int64] | NDArray[np.float64]]
+    state: Mapping[str, Ints | Floats]
 
     @classmethod
     def of_engine(

@@ -16,13 +16,14 @@ from typing import Any
 import h5py
 import numpy as np
 
+from lammps_skin.arrays import Floats
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.attributes import ATTRIBUTES
 from lammps_skin.trajectory.clones import clones
 from lammps_skin.trajectory.dump import FIRST_ITEM, Dump
-from lammps_skin.trajectory.frame import ABSENT, Floats
+from lammps_skin.trajectory.frame import ABSENT
 from lammps_skin.trajectory.store import DUMP, STORE, Store
 
 with warnings.catch_warnings():

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from lammps_skin.arrays import Ints
 from lammps_skin.errors import DamagedError, SkinError, reading
 from lammps_skin.kinds import Kind
 from lammps_skin.trajectory.check import check_frame, opened, read_headers
 from lammps_skin.trajectory.dump import Dump
-from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, Frame, Ints
+from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, Frame
 
 STORE, DUMP = "skin.h5", "skin.dump"
 

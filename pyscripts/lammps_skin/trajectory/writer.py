@@ -15,12 +15,13 @@ from typing import Any, NamedTuple, Self
 import h5py
 import numpy as np
 
+from lammps_skin.arrays import Ints
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.check import GROUP, MEMBERS
-from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, WHOLE, Frame, Ints
+from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, WHOLE, Frame
 from lammps_skin.trajectory.hdf5 import open_hdf5
 from lammps_skin.versions import versions
 

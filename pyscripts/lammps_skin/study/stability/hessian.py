@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
+from lammps_skin.arrays import Floats
 from lammps_skin.errors import SimulationError
 from lammps_skin.run.simulation import Simulation
-
-Floats = NDArray[np.float64]
 
 SHIFT = 1e-6  # length of the displacement, of all particles together, between two forces
 PRECISION = 1e-2  # relative, of the eigenvalue

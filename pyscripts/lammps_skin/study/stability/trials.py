@@ -14,7 +14,6 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from lammps_skin.errors import SceneError, SimulationError, SkinError
 from lammps_skin.files import completed
@@ -39,8 +38,6 @@ MOST_EVALUATIONS = 2000  # of forces in a run: the shortest
 FINE = {"integrator": "euler", "stages": 1, "largest_move": 0.05, "stiffness_limit": 0.0}
 FINE_TIMESTEP, FINE_PART = 0.005, 0.25  # at most, and as a part of the estimate
 MEASURING = 1e-3  # timestep with which mobilities are measured
-
-Floats = NDArray[np.float64]
 
 
 class State:

@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import norm
 
-from lammps_skin.analysis.geometry import Floats
 from lammps_skin.analysis.observables import Table, load
 from lammps_skin.analysis.statistics import mean
+from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError
 from lammps_skin.study.ensemble import Member
 from lammps_skin.study.tradeoff.grid import Variant

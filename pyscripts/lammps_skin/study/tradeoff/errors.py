@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_skin.analysis.geometry import Floats
+from lammps_skin.arrays import Floats
 from lammps_skin.study.tradeoff.grid import Variant
 from lammps_skin.study.tradeoff.store import Reached
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
-from lammps_skin.analysis.geometry import Floats
+from lammps_skin.arrays import Floats
 from lammps_skin.model.accuracy import LEVELS
 from lammps_skin.study.tradeoff.report import Report, Row
 from lammps_skin.style import plain
