@@ -38,6 +38,7 @@ class Run(NamedTuple):
     scene: Scene
     particles: list[Forces]
     cells: list[Cells]
+    next_ids: list[int]
     frames: list[Frame]
 
 
@@ -89,27 +90,28 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     ended = lmp(directory, "-var", "end_time", str((FRAMES - 1) * INTERVAL))
     assert ended.returncode == 0, ended.stdout
     convert(directory)
-    particles, cells = [], []
+    particles, cells, next_ids = [], [], []
     with Simulation(scene, driven, high_cells(scene)) as simulation:
         for n in range(FRAMES):
             simulation.run(until=n * INTERVAL)
             particles.append(simulation.forces())
             cells.append(simulation.cells())
+            next_ids.append(simulation.next_id())
     frames = list(read_dump(directory / "skin.dump"))
-    return Run(directory, driven, scene, particles, cells, frames)
+    return Run(directory, driven, scene, particles, cells, next_ids, frames)
 
 
 class Replay:
     """Stands in for LAMMPS: moments, which `advance` goes through."""
 
-    def __init__(self, moments: Iterable[tuple[Forces, Cells]]) -> None:
+    def __init__(self, moments: Iterable[tuple[Forces, Cells, int]]) -> None:
         self._moments = iter(moments)
         self._step = -round(INTERVAL / 0.01)
         self.advance()
 
     def advance(self) -> None:
         self._step += round(INTERVAL / 0.01)
-        self._particles, self._cells = next(self._moments)
+        self._particles, self._cells, self._next_id = next(self._moments)
 
     def step(self) -> int:
         return self._step
@@ -129,6 +131,9 @@ class Replay:
     def cells(self) -> Cells:
         return self._cells
 
+    def next_id(self) -> int:
+        return self._next_id
+
 
 @pytest.fixture
 def built(run, tmp_path) -> Path:
@@ -144,7 +149,7 @@ def equal(frames: Iterable[Frame], others: Iterable[Frame]) -> bool:
 
 def replay(run, recorder: Recorder) -> Iterator[int]:
     """Record the moments of the run; number of frames after each."""
-    engine = Replay(zip(run.particles, run.cells, strict=True))
+    engine = Replay(zip(run.particles, run.cells, run.next_ids, strict=True))
     for n in range(1, FRAMES + 1):
         recorder.record(engine)
         yield n

@@ -164,6 +164,9 @@ IN_HDF5: dict[str, tuple[Damage, str]] = {
     "divisions below": (cell("divisions_left", -3), r"divisions_left of cell \d+ is -3"),
     "NaN birth": (cell("birth_time", np.nan), r"birth_time of cell \d+ is nan"),
     "infinite division": (cell("next_division", np.inf), r"next_division of cell \d+ is inf"),
+    "next id too low": (
+        value("observables/trajectory/next_id/value", -1, 5), r"the next id is 5, and there is",
+    ),
     "unknown species": (cell("species", 9), r"is of kind 9, which the scene has not"),
     "another species": (cell("species", 1), r"is of kind 1, which the scene has not"),
     "id of another": (value(ID, (-1, 3), 5), "ids are not those of their slots"),

@@ -27,15 +27,16 @@ def blocks(run: Run) -> list[bytes]:
     return [first + rest for rest in (run.directory / "skin.dump").read_bytes().split(first)[1:]]
 
 
-def frames_of(path: Path, *parts: bytes) -> list[Frame]:
-    """Frames of a dump made of these parts."""
+def frames_of(run: Run, path: Path, *parts: bytes) -> list[Frame]:
+    """Frames of a dump made of these parts, beside the event log of the run."""
+    shutil.copy(run.directory / "events.csv", path.parent)
     path.write_bytes(b"".join(parts))
     return list(read_dump(path, KINDS))
 
 
 def moved(block: bytes) -> bytes:
     """A frame in which one number is another: the place along z of the first particle."""
-    head, columns, rows = block.partition(b"f_cells[6]\n")
+    head, columns, rows = block.partition(b"d_detached_time\n")
     words = rows.split(b" ", 5)
     words[4] = b"22.5"
     return head + columns + b" ".join(words)
@@ -77,7 +78,7 @@ def test_the_run_has_what_is_difficult(run):
 def test_a_truncated_last_frame_is_left_out(run, tmp_path, cut):
     """Cut off so many bytes, or all but so many of its frame."""
     *whole, last = blocks(run)
-    found = frames_of(tmp_path / "skin.dump", *whole, last[:-cut])
+    found = frames_of(run, tmp_path / "skin.dump", *whole, last[:-cut])
     assert [frame.step for frame in found] == [frame.step for frame in run.frames[:-1]]
     assert all(map(same, found, run.frames[:-1]))
 
@@ -86,7 +87,7 @@ def test_of_frames_of_one_step_the_later_counts(run, tmp_path):
     """A run resumed twice; the second time from further back."""
     text = blocks(run)
     again = [moved(block) for block in text]
-    found = frames_of(tmp_path / "skin.dump", *text[:9], *again[6:8], *text[5:7], *again[7:12])
+    found = frames_of(run, tmp_path / "skin.dump", *text[:9], *again[6:8], *text[5:7], *again[7:12])
     assert [frame.step for frame in found] == [frame.step for frame in run.frames[:12]]
     assert [frame.positions[0, 2] == 22.5 for frame in found] == [False] * 7 + [True] * 5
     assert all(map(same, found[:7], run.frames[:7]))
@@ -95,14 +96,14 @@ def test_of_frames_of_one_step_the_later_counts(run, tmp_path):
 def test_frames_after_the_point_of_resumption_are_gone(run, tmp_path):
     """Even those that the resumed run has not come to, or writes at other steps."""
     text = blocks(run)
-    found = frames_of(tmp_path / "skin.dump", *text[:9], text[5])
+    found = frames_of(run, tmp_path / "skin.dump", *text[:9], text[5])
     assert [frame.step for frame in found] == [frame.step for frame in run.frames[:6]]
 
 
 @pytest.mark.parametrize("left", [3, 11, 14, 100, 5000, -1, -20])
 def test_a_frame_cut_off_before_the_run_was_resumed(run, tmp_path, left):
     text = blocks(run)
-    found = frames_of(tmp_path / "skin.dump", *text[:6], text[6][:left], *text[5:8])
+    found = frames_of(run, tmp_path / "skin.dump", *text[:6], text[6][:left], *text[5:8])
     assert len(found) == 8
     assert all(map(same, found, run.frames[:8]))
 
@@ -172,7 +173,7 @@ def test_what_cannot_be_read_is_said(run, tmp_path):
     text = blocks(run)[0]
     for wrong in (text.replace(b" z ", b" w "), text.replace(b"NUMBER", b"NAMES")):
         with pytest.raises(SkinError, match=r"skin\.dump: is not a dump of this scene"):
-            frames_of(tmp_path / "skin.dump", wrong)
+            frames_of(run, tmp_path / "skin.dump", wrong)
     (tmp_path / "skin.dump").write_bytes(text)
     with pytest.raises(SkinError, match="is not a dump of this scene"):
         list(read_dump(tmp_path / "skin.dump", KINDS[:2]))

@@ -50,7 +50,7 @@ def trajectory(tmp_path_factory):
     with TrajectoryWriter(path, Scene.load("bare-membrane"), links, triangles) as writer:
         for n in range(5):
             edges = np.array([81.1, 82.2, 83.3])
-            writer.write(Frame(n, float(n), edges, ids, kinds, first * 2**n, state))
+            writer.write(Frame(n, float(n), edges, ids, kinds, first * 2**n, state, ids[-1] + 1))
     return path
 
 

@@ -413,7 +413,7 @@ def test_a_killed_command_leaves_its_frames(tmp_path):
 def test_a_failure_to_write_loses_nothing(run, built, monkeypatch):
     """And the next frame is written as if nothing had been."""
     recorder = Recorder(built, run.scene, {})
-    engine = Replay(zip(run.particles, run.cells, strict=True))
+    engine = Replay(zip(run.particles, run.cells, run.next_ids, strict=True))
     for n in range(6):
         with monkeypatch.context() as patch:
             if n in (2, 4):
@@ -456,8 +456,8 @@ def coming_and_going(frames: int, births: int, membrane: int, living: int):
         types = np.where(ids <= membrane, Kind.MEMBRANE, Kind.TA)
         places = rng.uniform(0, 12, (len(ids), 3))
         state = np.arange(living)
-        cells = Cells(ids[membrane:], types[membrane:], places[membrane:], *[state] * 7)
-        yield Forces(ids, types, places, places), cells
+        cells = Cells(ids[membrane:], types[membrane:], places[membrane:], *[state] * 10)
+        yield Forces(ids, types, places, places), cells, int(ids[-1]) + 1
 
 
 @pytest.mark.skipif(not IO.exists(), reason="the system does not count what is read and written")

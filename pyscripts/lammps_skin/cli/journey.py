@@ -37,7 +37,7 @@ class Journey:
         self._simulation = simulation
         self._start = simulation.time
         self._end = simulation.scene.end_time if until is None else until
-        self._first_id = int(simulation.forces().ids.max(initial=0))
+        self._first_id = simulation.next_id()
         self._first_cells = len(simulation.cells().ids)
         self._coverage: float | None = None
         self._motion: Motion | None = None
@@ -67,12 +67,11 @@ class Journey:
         self._particles = len(self._simulation.forces().ids)
 
     def _look(self, time: float) -> None:
-        """Cells by kind; births from the highest id, which are given in turn and never again."""
+        """Cells by kind; births from the next id, since they are given in turn and never again."""
         cells = self._simulation.cells()
         self.time = time
         self.counts = count_by_kind(cells.types)
-        highest = int(cells.ids.max(initial=self._first_id))
-        self.births = max(highest - self._first_id, self.births)
+        self.births = self._simulation.next_id() - self._first_id
         self.removals = self._first_cells + self.births - len(cells.ids)
 
     def _covered(self) -> float | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from lammps_skin.errors import SceneError, reading
 from lammps_skin.kinds import CELLS, Kind
@@ -20,6 +21,22 @@ def load_built(directory: Path) -> Scene:
     if not (directory / "skin.in").is_file():
         raise SceneError(f"directory {directory}: holds no built scene (there is no skin.in)")
     return Scene.load(directory / SCENE_FILE)
+
+
+def variable(directory: Path, name: str, default: float | None = None) -> Any:
+    """Value of a numeric variable in the scene.in of a built scene, of the type of the default.
+
+    Raises `SceneError` if there is none and no default.
+    """
+    path = directory / "scene.in"
+    try:
+        statements = [line.split() for line in path.read_text("utf-8").splitlines()]
+        text = next(words[3] for words in statements if words[1:2] == [name]).strip('"')
+        return float(text) if default is None else type(default)(text)
+    except (OSError, ValueError, IndexError, StopIteration):
+        if default is not None:
+            return default
+        raise SceneError(f"{path}: states no {name}; build the scene again") from None
 
 
 def section(path: Path, title: str) -> Iterator[list[str]]:

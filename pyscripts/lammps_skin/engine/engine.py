@@ -19,6 +19,12 @@ from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.terms import FIX_TERMS, TERMS
 from lammps_skin.plugin import folder
 
+# the per-atom array of fix skin/cells begins with these columns
+COLUMNS = (
+    "partner", "divisions_left", "next_division", "parent", "pair", "birth_time", "distance",
+)  # fmt: skip
+WHOLE = ("partner", "divisions_left", "parent", "pair", "divisions_done")
+
 _mpi: ctypes.CDLL | None = None
 
 
@@ -89,7 +95,8 @@ class Cells(NamedTuple):
     """Living cells sorted by id; all arrays are (n,) but positions, (n, 3).
 
     `partner` is the id of the nearest membrane particle, `distance` the distance to it;
-    `next_division` is negative where no division is due, `pair` 0 outside dividing pairs.
+    `next_division` is negative where no division is due, `pair` 0 outside dividing pairs, and
+    `detached_time` negative for a cell that is not detached.
     """
 
     ids: Ints
@@ -102,6 +109,9 @@ class Cells(NamedTuple):
     pair: Ints
     birth_time: Floats
     distance: Floats
+    divisions_done: Ints
+    pair_start: Floats
+    detached_time: Floats
 
 
 class Motion(NamedTuple):
@@ -269,14 +279,22 @@ class Engine:
         ids, types, order = ids[keep], types[keep], order[keep]
         positions = self._gather("x", 1, 3)[order]
         if not len(ids):
-            nothing, none = np.empty(0), np.empty(0, int)
-            return Cells(ids, types, positions, none, none, nothing, none, none, nothing, nothing)
-        state = self._gather("f_cells", 1, 8)[order]
-        whole = state[:, [0, 1, 3, 4]].astype(int)
-        return Cells(
-            ids, types, positions, whole[:, 0], whole[:, 1], state[:, 2], whole[:, 2], whole[:, 3],
-            state[:, 5], state[:, 6],
-        )  # fmt: skip
+            nothing = {name: np.empty(0) for name in Cells._fields[3:]}
+            whole = {name: np.empty(0, int) for name in WHOLE}
+            return Cells(ids, types, positions, **{**nothing, **whole})
+        state = dict(zip(COLUMNS, self._gather("f_cells", 1, 8)[order].T, strict=False))
+        state["divisions_done"] = self._gather("i_divisions_done", 0, 1)[order, 0]
+        for name in ("pair_start", "detached_time"):
+            state[name] = self._gather(f"d_{name}", 1, 1)[order, 0]
+        state |= {name: state[name].astype(int) for name in WHOLE}
+        return Cells(ids, types, positions, **state)
+
+    def next_id(self) -> int:
+        """The ID that the next newborn gets; above all that were ever given out."""
+        if FIX_TERMS[0] not in self._terms:
+            return int(self._gather("id", 0, 1).max()) + 1
+        entries = self._guard(self._lammps.extract_fix, "cells", 0, 3)  # of its global vector
+        return int(self._guard(self._lammps.extract_fix, "cells", 0, 1, entries - 1, 0))
 
     def _identities(self) -> tuple[Ints, Ints, Ints]:
         """Ids and model types sorted by id, and the order that sorts gathered arrays."""

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from lammps_skin.arrays import Floats, Ints
-from lammps_skin.engine.built import check_data, load_built
+from lammps_skin.engine.built import check_data, load_built, variable
 from lammps_skin.engine.engine import Cells, Engine, Forces, Motion
 from lammps_skin.engine.ranks import RankedEngine
 from lammps_skin.engine.world import check_alone
@@ -309,6 +309,10 @@ class Simulation:
         cells: Cells = self._running.cells()
         return cells
 
+    def next_id(self) -> int:
+        """The ID that the next newborn gets; above all that were ever given out."""
+        return int(self._running.next_id())
+
     @property
     def _running(self) -> Any:
         if self._engine is None:
@@ -359,9 +363,4 @@ def check_run(directory: Path, ranks: int, threads: int) -> None:
 
 def start_time(directory: Path) -> float:
     """Start time in the scene.in of a built scene."""
-    path = directory / "scene.in"
-    try:
-        statements = [line.split() for line in path.read_text("utf-8").splitlines()]
-        return next(float(words[3]) for words in statements if words[1:2] == ["start_time"])
-    except (OSError, ValueError, IndexError, StopIteration):
-        raise SceneError(f"{path}: states no start_time; build the scene again") from None
+    return float(variable(directory, "start_time"))

@@ -169,8 +169,24 @@ class BirthTime(FrameAttr):
     dtype = float
 
 
+class DivisionsDone(FrameAttr):
+    attrname = singular = source = "divisions_done"
+    dtype = int
+
+
+class PairStart(FrameAttr):
+    attrname = singular = source = "pair_start"
+    dtype = float
+
+
+class DetachedTime(FrameAttr):
+    attrname = singular = source = "detached_time"
+    dtype = float
+
+
 ATTRIBUTES = (
     Alive, Types, Names, KindRadii, Partner, DivisionsLeft, NextDivision, Parent, Pair, BirthTime,
+    DivisionsDone, PairStart, DetachedTime,
 )  # fmt: skip
 
 

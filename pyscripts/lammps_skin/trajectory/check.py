@@ -23,6 +23,7 @@ from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Frame
 from lammps_skin.trajectory.hdf5 import open_hdf5
 
 GROUP = "particles/trajectory"
+NEXT_ID = "observables/trajectory/next_id"
 MEMBERS = {"links": 2, "triangles": 3}  # of the membrane, and how many ids each has
 INTEGER = 2**31 - 1
 LARGEST_CHUNK = 2**22  # bytes that a chunk may have when it is unpacked; ours have 98,304
@@ -106,6 +107,7 @@ class _Checked:
         slots = self._slots()
         frames = len(steps)
         values = {"edges": self._dataset(f"{GROUP}/box/edges/value", "f", (frames, 3))}
+        values["next_id"] = self._dataset(f"{NEXT_ID}/value", "i", (frames,))
         for name, (kind, inner) in ELEMENTS.items():
             values[name] = self._dataset(f"{GROUP}/{name}/value", kind, (frames, slots, *inner))
         scene = self._scene()
@@ -244,6 +246,8 @@ def _reasons(
         yield f"the position of particle {ids[finite.all(axis=1).argmin()]} is not finite"
     if not (np.isfinite(frame.edges).all() and (frame.edges > 0).all()):
         yield f"the box has the sides {frame.edges.tolist()}"
+    if frame.next_id <= ids.max():
+        yield f"the next id is {frame.next_id}, and there is particle {ids.max()}"
     membrane = ids[frame.kinds == Kind.MEMBRANE]
     if not len(membrane):
         yield "there is no membrane particle"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import mmap
 import warnings
@@ -15,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_skin.arrays import Floats, Ints
-from lammps_skin.engine.built import box_sides, load_built
+from lammps_skin.engine.built import box_sides, load_built, variable
 from lammps_skin.errors import DamagedError, reading
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
@@ -32,7 +33,10 @@ ITEMS = {
     10: b"ITEM: ATOMS",
 }
 PARTICLE_COLUMNS = ("id", "type", "x", "y", "z")
-STATE_COLUMNS = tuple(f"f_cells[{n}]" for n in range(1, len(CELL_STATE) + 1))
+STATE_COLUMNS = (
+    *(f"f_cells[{n}]" for n in range(1, 7)),
+    "i_divisions_done", "d_pair_start", "d_detached_time",
+)  # fmt: skip
 WHOLE_COLUMNS = [n for n, name in enumerate(CELL_STATE, len(PARTICLE_COLUMNS)) if name in WHOLE]
 PARENT = len(PARTICLE_COLUMNS) + list(CELL_STATE).index("parent")
 
@@ -91,9 +95,9 @@ class Dump:
     def __getitem__(self, n: int) -> Frame:
         if self._membrane is None and n:
             self[0]
-        place = self._places[n]
+        place, next_id = self._places[n], self._next_id(n)
         with self._reading(place.step):
-            frame = _frame(self._text(place), place, self._kinds)
+            frame = _frame(self._text(place), place, self._kinds, next_id)
             check_frame(frame, self._kinds, self._membrane, self.slots)
             if self._box and not np.allclose(frame.edges, self._box, rtol=1e-9, atol=0):
                 told = " x ".join(f"{side:g}" for side in frame.edges)
@@ -158,6 +162,33 @@ class Dump:
             values = _numbers(b"\n".join(lines[first:]), len(lines) - first)
             cells = np.isin(self._kinds[values[:, 1].astype(int) - 1], CELLS)
             return values[cells, 0].astype(np.int64), values[cells, PARENT].astype(np.int64)
+
+    def _next_id(self, n: int) -> int:
+        """One above the ids that the cells of this frame, and of those before it, have or had.
+
+        Cells that were born and removed between two frames are in the event log alone, and those
+        that a run began after in its scene.in.
+        """
+        highest = max(place.highest for place in self._places[: n + 1])
+        times, removed = self._removals
+        gone = np.searchsorted(times, self._places[n].time * (1 + 1e-9), side="right")
+        return int(max(highest + 1, removed[gone]))
+
+    @cached_property
+    def _removals(self) -> tuple[Floats, Ints]:
+        """Times (r,) of the removals that are logged, and the next id (r + 1,) before and after."""
+        log = self.path.parent / "events.csv"
+        begun = variable(self.path.parent, "next_id", 1)
+        if not log.is_file():
+            return np.empty(0), np.array([begun])
+        with reading(f"event log {log}"):
+            lines = log.read_text("utf-8").splitlines(keepends=True)
+            rows = csv.DictReader(line for line in lines if line.endswith("\n"))
+            removals = [(row["time"], row["id"]) for row in rows if row["kind"] == "death"]
+            times, ids = np.array(removals, float).reshape(-1, 2).T
+        order = np.argsort(times)
+        next_ids = np.concatenate([[begun], ids[order].astype(np.int64) + 1])
+        return times[order], np.maximum.accumulate(next_ids)
 
     def _text(self, place: Place) -> bytes:
         with self.path.open("rb") as file:
@@ -270,7 +301,7 @@ def _place(text: bytes, begin: int, size: int) -> Place | int | None:
     return Place(begin, begin + end, step, time, int(last[0]))
 
 
-def _frame(text: bytes, place: Place, kinds: Ints) -> Frame:
+def _frame(text: bytes, place: Place, kinds: Ints, next_id: int) -> Frame:
     """Lines 7 to 9 are the bounds of the box, line 10 names the columns."""
     *header, rows = text.split(b"\n", HEADER)
     bounds = np.array([line.split() for line in header[7:10]], float)
@@ -303,6 +334,7 @@ def _frame(text: bytes, place: Place, kinds: Ints) -> Frame:
         kinds=numbers.astype(np.int64),
         positions=values[:, 2:5].copy(),
         state=state,
+        next_id=next_id,
     )
 
 

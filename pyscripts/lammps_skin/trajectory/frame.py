@@ -21,6 +21,9 @@ CELL_STATE: dict[str, float] = {
     "parent": ABSENT,
     "pair": ABSENT,
     "birth_time": np.nan,
+    "divisions_done": ABSENT,
+    "pair_start": np.nan,
+    "detached_time": np.nan,
 }
 WHOLE = tuple(name for name, fill in CELL_STATE.items() if fill == ABSENT)
 
@@ -41,6 +44,8 @@ class Frame:
     positions : (n, 3) array
     state : dict of (n,) arrays
         The names in `CELL_STATE`; the values given there for particles that are no cells.
+    next_id : int
+        The ID that the next newborn gets, above all that were ever given out.
     """
 
     step: int
@@ -50,11 +55,13 @@ class Frame:
     kinds: Ints
     positions: Floats
     state: Mapping[str, Ints | Floats]
+    next_id: int
 
     @classmethod
     def of_engine(
-        cls, step: int, time: float, edges: Sequence[float], particles: Forces, cells: Cells
-    ) -> Frame:
+        cls, step: int, time: float, edges: Sequence[float], particles: Forces, cells: Cells,
+        next_id: int,
+    ) -> Frame:  # fmt: skip
         """Frame of what LAMMPS holds: all particles, and the state of the cells among them."""
         is_cell = np.isin(particles.types, CELLS)
         state: dict[str, Any] = {}
@@ -63,7 +70,7 @@ class Frame:
             state[name] = np.full(len(is_cell), fill, kind)
             state[name][is_cell] = getattr(cells, name)
         ids, kinds, positions = particles[:3]
-        return cls(step, time, np.asarray(edges, float), ids, kinds, positions, state)
+        return cls(step, time, np.asarray(edges, float), ids, kinds, positions, state, next_id)
 
     def over_slots(self, slots: int) -> dict[str, Any]:
         """Arrays over all slots, slot n for id n + 1, with fill values where nothing is.

@@ -66,7 +66,7 @@ class Recorder:
             if self._last_step is None:
                 self._last_step = self._begin(step, engine.time())
             if due and step != self._last_step:
-                state = engine.box(), engine.forces(), engine.cells()
+                state = engine.box(), engine.forces(), engine.cells(), engine.next_id()
                 self._add(Frame.of_engine(step, engine.time(), *state))
                 self._last_step = step
         except OSError as error:

@@ -96,6 +96,7 @@ class Store:
                     name: column.astype(np.int64 if column.dtype.kind == "i" else float)
                     for name, column in values.items()
                 },
+                next_id=int(self._values["next_id"][n]),
             )
         try:
             check_frame(frame, self.scene.kinds, self._membrane, self.slots)

@@ -20,7 +20,7 @@ from lammps_skin.errors import SkinError
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
-from lammps_skin.trajectory.check import GROUP, MEMBERS
+from lammps_skin.trajectory.check import GROUP, MEMBERS, NEXT_ID
 from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, WHOLE, Frame
 from lammps_skin.trajectory.hdf5 import open_hdf5
 from lammps_skin.versions import versions
@@ -160,8 +160,9 @@ class TrajectoryWriter:
                 f"of step {self._last_step}"
             )
         self._slots = max(self._slots, int(frame.ids.max(initial=0)))
-        rows = {"position/step": frame.step, "position/time": frame.time}
-        for name, row in {**rows, "box/edges/value": frame.edges}.items():
+        rows: dict[str, Any] = {"position/step": frame.step, "position/time": frame.time}
+        rows |= {"box/edges/value": frame.edges, f"/{NEXT_ID}/value": frame.next_id}
+        for name, row in rows.items():
             self._particles[name].resize(self._frames + 1, axis=0)
             self._particles[name][self._frames] = row
         values = {"position": frame.positions, "id": frame.ids, "species": frame.kinds}
@@ -191,7 +192,7 @@ class TrajectoryWriter:
         ids = self._particles["id/value"]
         self._frames = frames
         self._slots = max((int(ids[n].max(initial=0)) for n in range(frames)), default=0)
-        for name in ("position/step", "position/time", "box/edges/value"):
+        for name in ("position/step", "position/time", "box/edges/value", f"/{NEXT_ID}/value"):
             self._particles[name].resize(frames, axis=0)
         for name in ("position", "id", "species", *CELL_STATE):
             dataset = self._particles[name]["value"]
@@ -213,12 +214,14 @@ class TrajectoryWriter:
         box.attrs.create("boundary", BOUNDARY, dtype=h5py.string_dtype("ascii", 8))
         edges = box.create_group("edges")
         edges.create_dataset("value", (0, 3), "f8", maxshape=(None, 3), chunks=(256, 3))
+        next_id = self._file.create_group(NEXT_ID)
+        next_id.create_dataset("value", (0,), "i8", maxshape=(None,), chunks=(1024,))
         others = [self._create("id", ABSENT, "i4"), self._create("species", ABSENT, "i4")]
         others += [
             self._create(name, fill, "i4" if name in WHOLE else "f8")
             for name, fill in CELL_STATE.items()
         ]
-        for element in (edges, *others):
+        for element in (edges, next_id, *others):
             element["step"] = position["step"]
             element["time"] = position["time"]
 
