@@ -22,7 +22,7 @@ from lammps_skin.run.simulation import Simulation
 def events(scene: Scene, until: float, folder: Path) -> list[str]:
     """The event log of a run; prints its cost and its particles beyond the lists."""
     began = time.thread_time()
-    with Simulation(scene, folder) as simulation:
+    with Simulation.begin(scene, folder) as simulation:
         simulation.run(until=until)
         motion, particles = simulation.motion(), len(simulation.forces().ids)
     share = motion.beyond_lists / (motion.evaluations * particles)

@@ -73,7 +73,7 @@ def main() -> None:
         engine = stock(scene, state, Path(folder))
         benches["stock"] = Bench(engine.command, *place)
         for form in FORMS:
-            simulation = Simulation(
+            simulation = Simulation.begin(
                 scene.replace(**{"numerics.pair_form": form}), configuration=state
             )
             opened.append(simulation)

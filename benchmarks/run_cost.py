@@ -36,7 +36,7 @@ def main() -> None:
             scene = scene.replace(end_time=arguments.until)
         if arguments.accuracy:
             scene = scene.replace(**{"numerics.accuracy": arguments.accuracy})
-        with tempfile.TemporaryDirectory() as folder, Simulation(scene, folder) as simulation:
+        with tempfile.TemporaryDirectory() as folder, Simulation.begin(scene, folder) as simulation:
             began = last = time.thread_time()
             for n in range(1, PIECES + 1):
                 simulation.run(until=scene.end_time * n / PIECES)

@@ -131,7 +131,7 @@ def sizes(run: Path, steps: int, rounds: int) -> None:
         for copies in TILES:
             whole, state = tiled(scene, tile, (copies, copies))
             particles[copies] = len(state.kinds), int(state.is_cell.sum())
-            running[copies] = stack.enter_context(Simulation(whole, configuration=state))
+            running[copies] = stack.enter_context(Simulation.begin(whole, configuration=state))
         for turn in range(rounds + 1):
             for copies, simulation in running.items():
                 until = simulation.time + steps * simulation.scene.numerics.timestep

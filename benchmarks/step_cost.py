@@ -37,7 +37,7 @@ STEPS, ROUNDS, POINTS = 200, 7, 10_000
 def grown(scene: Scene, until: float) -> Configuration:
     """The scene's state at a time, as a configuration."""
     start = Configuration.from_scene(scene)
-    with Simulation(scene, configuration=start) as simulation:
+    with Simulation.begin(scene, configuration=start) as simulation:
         simulation.run(until=until)
         particles, cells = simulation.forces(), simulation.cells()
         reached = simulation.time
@@ -180,9 +180,9 @@ def main() -> None:
 
     with (
         tempfile.TemporaryDirectory() as folder,
-        Simulation(scene, configuration=configuration) as ours,
-        Simulation(scene, configuration=configuration) as without,
-        Simulation(scene, configuration=configuration, variables=uncored(scene)) as bare,
+        Simulation.begin(scene, configuration=configuration) as ours,
+        Simulation.begin(scene, configuration=configuration) as without,
+        Simulation.begin(scene, configuration=configuration, variables=uncored(scene)) as bare,
     ):
         without.command("unfix cells")
         for column in ("thermo_style one", "thermo 1000"):

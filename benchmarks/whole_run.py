@@ -74,7 +74,9 @@ def simulations(scene: Scene, state: Configuration, stack: ExitStack) -> dict[st
     for name, changes in levels.items():
         level = scene.replace(**QUIET, **changes)
         plain = uncored(level) if name == "reference" else {}  # stock styles alone
-        started[name] = stack.enter_context(Simulation(level, configuration=state, variables=plain))
+        started[name] = stack.enter_context(
+            Simulation.begin(level, configuration=state, variables=plain)
+        )
     half = scene.membrane.bending_stiffness / 2
     # (1 - cos)^2 with the angle of multi/harmonic, which is pi in a flat sheet
     for command in (

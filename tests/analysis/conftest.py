@@ -46,7 +46,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     directory = tmp_path_factory.mktemp("crowding")
     scene = crowding()
     found = Run(directory, scene, [], [], [])
-    with Simulation(scene, directory) as simulation:
+    with Simulation.begin(scene, directory) as simulation:
         for n in range(FRAMES):
             if n:
                 simulation.run(until=n * INTERVAL)

@@ -86,7 +86,7 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
         divisions_left=np.repeat([0, 10], [len(membrane), 2]),
     )
     directory = tmp_path_factory.mktemp(make.__name__)
-    with Simulation(SCENE, directory, configuration) as simulation:
+    with Simulation.begin(SCENE, directory, configuration) as simulation:
         simulation.run()
     return directory
 

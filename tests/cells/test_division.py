@@ -97,7 +97,7 @@ def colony(tmp_path_factory: pytest.TempPathFactory) -> Colony:
     directory = tmp_path_factory.mktemp("colony")
     record = Colony(scene)
     configuration = place(scene, cells, amplitude=3.5)
-    with Simulation(scene, directory, configuration) as simulation:
+    with Simulation.begin(scene, directory, configuration) as simulation:
         before = simulation.cells()
         record.first = dict(zip(before.ids.tolist(), before.next_division.tolist(), strict=True))
         simulation.command(FREEZE)
@@ -253,7 +253,7 @@ def test_first_phases_are_uniform() -> None:
         (kind, (*xy, HEIGHT + CONTACT), left.get(kind, 0))
         for kind, xy in zip(kinds, flat, strict=True)
     ]
-    with Simulation(scene, configuration=place(scene, cells)) as simulation:
+    with Simulation.begin(scene, configuration=place(scene, cells)) as simulation:
         found = simulation.cells()
 
     dividing = np.isin(found.types, [Kind.STEM, Kind.TA])
@@ -279,7 +279,7 @@ def family(directory: Path, ranks: int = 1, threads: int = 1, **changes: object)
     """Events of nine stem cells and their line up to t = 20."""
     scene = membrane_scene((32, 36), **FAST).replace(**changes)
     cells = [(Kind.STEM, (*xy, HEIGHT + CONTACT), 2) for xy in grid(scene, 3, jitter=0.4)]
-    with Simulation(scene, directory, place(scene, cells), ranks, threads) as simulation:
+    with Simulation.begin(scene, directory, place(scene, cells), ranks, threads) as simulation:
         simulation.run(until=20.0)
     return read_events(directory)
 

@@ -56,7 +56,7 @@ def test_partner_is_the_nearest_at_every_step(ranks: int, neighbor_skin: float) 
 
     every = (1, 4)[ranks - 1]  # steps
     crowded = crowd(scene, across=6, amplitude=1.5, above=1.9)
-    with Simulation(scene, configuration=crowded, ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=crowded, ranks=ranks) as simulation:
         simulation.command("fix drag cells addforce 2.0 -1.0 0.0")
         simulation.run(until=STEPS * TIMESTEP, progress=check, every=every * TIMESTEP)
 
@@ -95,7 +95,7 @@ def test_partner_is_the_nearest_in_random_places(ranks: int) -> None:
     cells = [(Kind.ND, (*xy, z), 0) for xy, z in zip(flat, heights, strict=True)]
     configuration = place(scene, cells, amplitude=3.0)
 
-    with Simulation(scene, configuration=configuration, ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=configuration, ranks=ranks) as simulation:
         particles, found = simulation.forces(), simulation.cells()
         check_nearest(particles, found, scene.box_sides[:2])
     assert len(found.ids) == 484
@@ -127,7 +127,7 @@ def test_partner_jumps_between_the_walls_of_a_trench(ranks: int) -> None:
             jumps.append(np.abs(partners - before)[:, 0])
         before = partners
 
-    with Simulation(scene, configuration=trench(scene), ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=trench(scene), ranks=ranks) as simulation:
         simulation.command("group sheet type membrane")
         simulation.command("fix sheet sheet setforce -1.0 0.0 0.0")
         simulation.command("fix procession cells setforce 1.0 0.0 0.0")

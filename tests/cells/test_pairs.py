@@ -31,7 +31,7 @@ def test_a_cell_of_a_pair_waits_for_its_end(tmp_path: Path) -> None:
         }
     )  # fmt: skip
     cells = [(Kind.STEM, (6.0, 6.0, HEIGHT + CONTACT), 1)]
-    with Simulation(scene, tmp_path, place(scene, cells)) as simulation:
+    with Simulation.begin(scene, tmp_path, place(scene, cells)) as simulation:
         stem = int(simulation.cells().ids[0])
         simulation.run(until=45.0)
     first = first_division(scene, scene.cell_seed, stem)
@@ -77,7 +77,7 @@ def test_pair_follows_its_growing_spring(spring: str, tmp_path: Path) -> None:
             distances.append(float(np.linalg.norm(delta)))
             energies.append(simulation.energies())
 
-    with Simulation(scene, tmp_path, configuration) as simulation:
+    with Simulation.begin(scene, tmp_path, configuration) as simulation:
         simulation.run(until=end + 0.1, progress=watch, every=timestep)
     t, d = np.array(times), np.array(distances)
     paired = t < end

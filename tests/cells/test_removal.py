@@ -56,7 +56,7 @@ def test_ta_cells_beyond_the_threshold_leave(lam: float, ranks: int, tmp_path: P
         for n, (kind, place_, _) in enumerate(cells, 1)
         if kind in (Kind.STEM, Kind.ND) or place_[2] - HEIGHT < threshold
     ]
-    with Simulation(scene, tmp_path, configuration, ranks) as simulation:
+    with Simulation.begin(scene, tmp_path, configuration, ranks) as simulation:
         simulation.command(FREEZE)
         assert len(simulation.cells().ids) == 16
         simulation.run(until=0.05)
@@ -88,7 +88,7 @@ def test_the_distance_is_taken_through_the_edge(tmp_path: Path) -> None:
     configuration = place(scene, [(Kind.EXHAUSTED, corner, 0)])
     inside_the_box = np.linalg.norm(configuration.positions[:-1] - corner, axis=1).min()
     assert inside_the_box > 1.2 * CONTACT
-    with Simulation(scene, tmp_path, configuration) as simulation:
+    with Simulation.begin(scene, tmp_path, configuration) as simulation:
         simulation.command(FREEZE)
         simulation.run(until=0.1)
         assert len(simulation.cells().ids) == 1
@@ -142,7 +142,7 @@ def test_death_of_one_ends_the_pair(
     scene = membrane_scene(**{"numerics.event_interval": 0.1, "cells.cycle_delay": 1e6})
     dead = [673 + n for n, height in enumerate(heights) if height == FAR]
     survivors = sorted({673, 674} - set(dead))
-    with Simulation(scene, tmp_path, pair_of(scene, kinds, heights), ranks) as simulation:
+    with Simulation.begin(scene, tmp_path, pair_of(scene, kinds, heights), ranks) as simulation:
         simulation.command(FREEZE)
         assert simulation.cells().pair.tolist() == [674, 673, 0]
         assert simulation.energies()["division"] > 0
@@ -194,7 +194,7 @@ def test_removal_does_not_wait_for_others(
         if 673 not in simulation.cells().ids:
             left.append(time)
 
-    with Simulation(scene, tmp_path, configuration) as simulation:
+    with Simulation.begin(scene, tmp_path, configuration) as simulation:
         rise(simulation, 673)
         simulation.run(until=0.6, progress=watch, every=0.02)
     assert left[0] == pytest.approx(leaving)
@@ -215,7 +215,7 @@ def test_what_comes_first_ends_the_pair(grown: float, dying: int, tmp_path: Path
     configuration.pair[-2:] = 674, 673
     configuration.pair_start[-2:] = grown - (end - start) / rate
     configuration.next_division[-2:] = 1e6
-    with Simulation(scene, tmp_path, configuration) as simulation:
+    with Simulation.begin(scene, tmp_path, configuration) as simulation:
         rise(simulation, dying)
         simulation.run(until=0.3)
     death, ended = (found, "death", dying), min((grown, "grown"), (found, "partner_removed"))
@@ -240,7 +240,7 @@ def crowded_run(
     directory = tmp_path_factory.mktemp("crowded")
     scene = busy_scene(**{"output.dump_interval": 1.0, "output.thermo_interval": 0.2})
     configuration = crowd(scene, across=5, amplitude=0.5, above=2.2)
-    with Simulation(scene, directory, configuration, request.param) as simulation:
+    with Simulation.begin(scene, directory, configuration, request.param) as simulation:
         simulation.run(until=30.0)
         write_dump(directory / "skin.dump", Store(directory / "skin.h5"), scene.kinds)
         return directory, simulation.cells()
@@ -327,7 +327,7 @@ def test_the_id_of_the_dead_is_not_given_again(tmp_path: Path) -> None:
     ]
     configuration = place(scene, cells)
     configuration.next_division[-2] = 1.0
-    with Simulation(scene, tmp_path, configuration) as simulation:
+    with Simulation.begin(scene, tmp_path, configuration) as simulation:
         simulation.run(until=0.5)
         assert simulation.cells().ids.tolist() == [673]
         simulation.command("run 0")

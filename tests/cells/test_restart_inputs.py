@@ -248,7 +248,7 @@ def test_membrane_without_cells_restarts(tmp_path: Path) -> None:
 
 def test_written_data_file_goes_on(scene: Scene, whole: Path, tmp_path: Path) -> None:
     """The state of the cells goes through write_data and read_data."""
-    with Simulation(scene, tmp_path, founders(scene)) as simulation:
+    with Simulation.begin(scene, tmp_path, founders(scene)) as simulation:
         simulation.run(until=HALF)
         simulation.command(f"write_data {tmp_path / 'half.data'} nocoeff")
     shutil.copyfile(tmp_path / "half.data", tmp_path / "skin.data")

@@ -120,7 +120,7 @@ def test_refused(name, good, tmp_path):
     bad = deepcopy(good)
     edit(bad)
     with pytest.raises((ConfigurationError, SceneError)) as refusal:
-        Simulation(SCENE, directory=tmp_path / "run", configuration=bad)
+        Simulation.begin(SCENE, directory=tmp_path / "run", configuration=bad)
     assert str(refusal.value).startswith(expected)
     assert "\n" not in str(refusal.value)
     assert not (tmp_path / "run").exists()
@@ -144,5 +144,5 @@ def test_what_is_possible_is_taken(good):
     shifted.positions[:, 0] += 3 * good.box[0]
     for configuration in (good, paired, listed, shifted):
         configuration.check(SCENE)
-    with Simulation(SCENE, configuration=listed) as simulation:
+    with Simulation.begin(SCENE, configuration=listed) as simulation:
         assert len(simulation.cells().ids) == 2

@@ -23,7 +23,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One stem cell, t = 0 to 10 in steps of 5, as skin.h5 and skin.dump."""
     directory = tmp_path_factory.mktemp("one-stem")
     scene = Scene.load("one-stem").replace(end_time=10.0, **{"output.dump_interval": 5.0})
-    with Simulation(scene, directory) as simulation:
+    with Simulation.begin(scene, directory) as simulation:
         simulation.run()
     write_dump(directory / "skin.dump", Store(directory / "skin.h5"), scene.kinds)
     return directory

@@ -37,7 +37,7 @@ def sheet(integrator: str, timestep: float, limit: float = 0.0, move: float = 0.
 
 def smooth_sheet(scene: Scene, start: Configuration) -> np.ndarray:
     """Positions at the end; harmonic links, since the slope of the model's has kinks at rest."""
-    with Simulation(scene, configuration=start) as simulation:
+    with Simulation.begin(scene, configuration=start) as simulation:
         for command in ("bond_style harmonic", "bond_coeff * 0.5 0.5"):
             simulation.command(command)
         simulation.run(until=END)
@@ -91,7 +91,7 @@ def pair_length(integrator: str, timestep: float, directory: Path) -> float:
     )  # fmt: skip
     configuration.pair[-2:] = len(configuration.pair) - np.array([0, 1])
     configuration.pair_start[-2:] = 0.0
-    with Simulation(scene, directory, configuration) as simulation:
+    with Simulation.begin(scene, directory, configuration) as simulation:
         simulation.run(until=END)
         places = simulation.cells().positions
     return float(np.linalg.norm(places[1] - places[0]))

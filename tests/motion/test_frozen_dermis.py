@@ -31,7 +31,7 @@ def moved(start: Forces, end: Forces) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("level", ["reference", "balanced", "fast"])
 def test_deep_spheres_stay(level: str) -> None:
-    with Simulation(scene(level, DEEP)) as held, Simulation(scene(level, 0.0)) as free:
+    with Simulation.begin(scene(level, DEEP)) as held, Simulation.begin(scene(level, 0.0)) as free:
         start = held.forces()
         held.run()
         free.run()
@@ -46,14 +46,14 @@ def test_deep_spheres_stay(level: str) -> None:
 
 
 def test_the_same_after_a_restart(tmp_path: Path) -> None:
-    with Simulation(scene("balanced", DEEP), tmp_path) as whole:
+    with Simulation.begin(scene("balanced", DEEP), tmp_path) as whole:
         start = whole.forces()
         whole.run(until=1.0)
         restart = tmp_path / "half.restart"
         whole.command(f"write_restart {restart}")
         whole.run()
         end = whole.forces()
-    with Simulation(None, tmp_path, variables={"restart": restart.name}) as resumed:
+    with Simulation.begin_built(tmp_path, variables={"restart": restart.name}) as resumed:
         resumed.run()
         again = resumed.forces()
     np.testing.assert_allclose(again.positions, end.positions, atol=1e-12)

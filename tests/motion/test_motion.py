@@ -37,7 +37,7 @@ def inverted(configuration: Configuration) -> Configuration:
 
 
 def state_after(scene: Scene, configuration: Configuration, time: float, **more: Any) -> Forces:
-    with Simulation(scene, configuration=configuration, **more) as simulation:
+    with Simulation.begin(scene, configuration=configuration, **more) as simulation:
         simulation.run(until=time)
         return simulation.forces()
 
@@ -64,7 +64,7 @@ def test_divided_step_is_a_chain_of_euler_steps(tmp_path: Path) -> None:
 
     assert pieces > 2
     _, fresh = sheet()
-    with Simulation(scene, tmp_path, fresh) as simulation:
+    with Simulation.begin(scene, tmp_path, fresh) as simulation:
         simulation.run(until=scene.numerics.timestep)
         moved = simulation.forces()
     delta = moved.positions - x
@@ -87,7 +87,7 @@ def test_inverted_triangle_ends_the_run(ranks: int) -> None:
     """It is named if it stays for two time units; no timestep turns back what began like that."""
     scene, configuration = sheet(**{"numerics.timestep": 0.5})
     message = r"triangle of atoms \d+ \d+ \d+ is inverted on step 5: .* this run began with is like"
-    with Simulation(scene, configuration=inverted(configuration), ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=inverted(configuration), ranks=ranks) as simulation:
         simulation.command("fix freeze all setforce 0 0 0")
         simulation.run(until=2.0)
         with pytest.raises(SimulationError, match=message):
@@ -116,7 +116,7 @@ def test_a_link_that_breaks_divides_the_step(move: float, ranks: int) -> None:
     scene, configuration = sheet(
         **{"numerics.accuracy": "balanced", "numerics.largest_move": move, "membrane.noise": 0.0}
     )
-    with Simulation(scene, configuration=configuration, ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=configuration, ranks=ranks) as simulation:
         simulation.command(f"group one id {CORNER}")
         simulation.command("fix pull one addforce 0 0 100")
         if not move:
@@ -137,7 +137,7 @@ def test_particles_beyond_the_neighbor_lists(ranks: int) -> None:
             "numerics.timestep": 0.25, "numerics.largest_move": 0.0, "numerics.neighbor_skin": 0.3,
         }
     )  # fmt: skip
-    with Simulation(scene, configuration=configuration, ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=configuration, ranks=ranks) as simulation:
         simulation.command("fix drift all addforce 1 0 0")
         simulation.run(until=1.0)
         assert simulation.motion().beyond_lists == 4 * len(configuration.positions)

@@ -145,7 +145,7 @@ def sheet(**changes: Any) -> tuple[Scene, Configuration]:
 def moved(*commands: str, time: float = 2.0, ranks: int = 1, **changes: Any) -> np.ndarray:
     """Where the particles of the sheet are after some time."""
     scene, configuration = sheet(**changes)
-    with Simulation(scene, configuration=configuration, ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=configuration, ranks=ranks) as simulation:
         for command in commands:
             simulation.command(command)
         simulation.run(until=time)
@@ -189,7 +189,7 @@ def test_what_happens_between_runs(how: str) -> None:
     scene, configuration = sheet()
     ends = []
     for commands in ((), (how,)):
-        with Simulation(scene, configuration=configuration) as simulation:
+        with Simulation.begin(scene, configuration=configuration) as simulation:
             simulation.command("run 0")
             for command in commands:
                 simulation.command(command)
@@ -273,7 +273,7 @@ CHANGES = (
 def test_links_that_break(command: str) -> None:
     """Energies and forces at the end of a run are those of the links that are there then."""
     scene, configuration = sheet()
-    with Simulation(scene, configuration=configuration) as simulation:
+    with Simulation.begin(scene, configuration=configuration) as simulation:
         simulation.command("compute count all property/local btype")
         simulation.command("compute links all reduce sum c_count inputs local")
         before = simulation.energies()["stretch"]
@@ -293,7 +293,7 @@ def test_coefficients_that_change_in_a_run() -> None:
     """fix adapt, against a run for each step with the coefficients of its beginning."""
     scene, configuration = sheet(**{"numerics.accuracy": "reference", "numerics.largest_move": 0.0})
     steps = 12
-    with Simulation(scene, configuration=configuration) as simulation:
+    with Simulation.begin(scene, configuration=configuration) as simulation:
         simulation.command("variable k equal 0.04*(1.0+0.2*step)")
         simulation.command("variable kb equal 0.5/(1.0+0.2*step)")
         simulation.command(
@@ -301,14 +301,14 @@ def test_coefficients_that_change_in_a_run() -> None:
         )
         simulation.command(f"run {steps}")
         adapted = simulation.forces().positions
-    with Simulation(scene, configuration=configuration) as simulation:
+    with Simulation.begin(scene, configuration=configuration) as simulation:
         for step in range(steps):
             growth = 1 + 0.2 * step
             simulation.command(f"bond_coeff 1 {0.04 * growth:.17g} {LINK[5:]}")
             simulation.command(f"dihedral_coeff 1 {0.5 / growth:.17g}")
             simulation.command("run 1")
         given = simulation.forces().positions
-    with Simulation(scene, configuration=configuration) as simulation:
+    with Simulation.begin(scene, configuration=configuration) as simulation:
         simulation.command(f"run {steps}")
         constant = simulation.forces().positions
     box = np.array(configuration.box)[:2]

@@ -24,7 +24,7 @@ def sheet(**changes: Any) -> tuple[Scene, Configuration]:
 def positions_at(time: float, changes: dict[str, Any], **how: Any) -> np.ndarray:
     """Places in the box, (n, 3), by id."""
     scene, configuration = sheet(**changes)
-    with Simulation(scene, configuration=configuration, **how) as simulation:
+    with Simulation.begin(scene, configuration=configuration, **how) as simulation:
         simulation.run(until=time)
         x = simulation.forces().positions
     x[:, :2] %= scene.box_sides[:2]

@@ -49,7 +49,7 @@ def test_fix_adapt(
     sub = f" {style}" if hybrid else ""
     changed = link(**{name: 0.9 * value}) if term == "bond" else "0.45"
     plain = link() if term == "bond" else "0.5"
-    with Simulation(scene, configuration=configuration) as simulation:
+    with Simulation.begin(scene, configuration=configuration) as simulation:
         for command in (
             f"{term}_style hybrid {style}" if hybrid else f"{term}_style {style}",
             f"{term}_coeff 1{sub} {plain}",
@@ -80,7 +80,7 @@ def test_what_they_cannot_become(
     change: str, message: str, start: tuple[Scene, Configuration]
 ) -> None:
     scene, configuration = start
-    with Simulation(scene, configuration=configuration) as simulation:
+    with Simulation.begin(scene, configuration=configuration) as simulation:
         simulation.command("variable changed equal 1.5")
         simulation.command("variable minus equal -1.5")
         with pytest.raises(Exception, match=message):
@@ -103,7 +103,7 @@ def test_stiffness_of_all_rows(ranks: int, start: tuple[Scene, Configuration]) -
             "numerics.stiffness_limit": limit, "numerics.largest_move": 0.0,
         }
     )  # fmt: skip
-    with Simulation(slow, configuration=configuration, ranks=ranks) as simulation:
+    with Simulation.begin(slow, configuration=configuration, ranks=ranks) as simulation:
         forces = simulation.forces().forces
         begin = simulation.forces().positions
         simulation.command("run 1")

@@ -112,7 +112,7 @@ def test_scene(name: str, parameters: str, shape: str) -> None:
     """Energies by term, total forces and nearest membrane particles of every kind of scene."""
     case = prepared(name, parameters, shape)
     want = expected(case.scene, case.state)
-    with Simulation(case.scene, configuration=case.configuration) as simulation:
+    with Simulation.begin(case.scene, configuration=case.configuration) as simulation:
         energies, forces = simulation.energies(), simulation.forces()
         cells = simulation.cells()
     assert_energies(energies, want.energies)
@@ -146,7 +146,7 @@ def test_no_number_is_built_in(force_scale: str, spring: str) -> None:
     case = prepare(small_scene(FULL, **ODD_NUMBERS, **words), "crumpled")
     want = expected(case.scene, case.state)
     assert all(want.energies.values())
-    with Simulation(case.scene, configuration=case.configuration) as simulation:
+    with Simulation.begin(case.scene, configuration=case.configuration) as simulation:
         energies, forces = simulation.energies(), simulation.forces()
     assert_energies(energies, want.energies)
     total = np.sum(list(want.forces.values()), axis=0)
@@ -162,7 +162,7 @@ def test_ranks_and_threads(parallel: dict[str, int], shape: str) -> None:
     want = expected(case.scene, case.state)
     results = []
     for how in ({}, parallel):
-        with Simulation(case.scene, configuration=case.configuration, **how) as simulation:
+        with Simulation.begin(case.scene, configuration=case.configuration, **how) as simulation:
             results.append((simulation.energies(), simulation.forces(), simulation.cells()))
     (one_energies, one_forces, one_cells), (energies, forces, cells) = results
     assert energies == pytest.approx(one_energies, rel=1e-12, abs=0)
@@ -178,7 +178,7 @@ def test_after_a_run() -> None:
     case = prepare(scene, "crumpled")
     case.configuration.next_division[:] = 1e6
     age = case.configuration.time - case.configuration.pair_start
-    with Simulation(scene, configuration=case.configuration) as simulation:
+    with Simulation.begin(scene, configuration=case.configuration) as simulation:
         simulation.run(until=case.configuration.time + 1.0)
         energies, forces, cells = (
             simulation.energies(), simulation.forces(), simulation.cells(),
@@ -226,7 +226,7 @@ def lammps_alone(term: str, shape: str, parameters: str) -> Alone:
     case = prepared(FULL, parameters, shape)
     points = 100_000 if term in TABLES else 100
     scene = alone(case.scene, term).replace(**{"numerics.table_points": points})
-    with Simulation(scene, configuration=case.configuration) as simulation:
+    with Simulation.begin(scene, configuration=case.configuration) as simulation:
         energies, forces = simulation.energies(), simulation.forces()
         slopes = list(difference_quotients(simulation, term))
     return Alone(energies, forces.forces, slopes)
@@ -323,7 +323,7 @@ def test_default_tables(term: str, style: str) -> None:
     stated, median = table.interpolation_error(), np.median(inside[inside > 0])
     assert 0 < stated < 2e-3
     scene = alone(case.scene, term).replace(**numerics)
-    with Simulation(scene, configuration=case.configuration) as simulation:
+    with Simulation.begin(scene, configuration=case.configuration) as simulation:
         energies, forces = simulation.energies(), simulation.forces()
     assert energies[term] == pytest.approx(want.energies[term], rel=TABLE, abs=0)
     assert_forces(forces.forces, want.forces[term], stated * (want.gross[term] + median))

@@ -35,7 +35,7 @@ def test_scene(name: str, shape: str, ranks: int) -> None:
     case = prepared(name, "papilla", shape)
     want = expected(case.scene, case.state)
     scene = case.scene.replace(**SKIN)
-    with Simulation(scene, configuration=case.configuration, ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=case.configuration, ranks=ranks) as simulation:
         energies, forces = simulation.energies(), simulation.forces()
     for term in TERMS:
         if term != "stretch":
@@ -52,7 +52,7 @@ def test_term_alone(term: str, shape: str, parameters: str) -> None:
     case = prepared(FULL, parameters, shape)
     want = expected(case.scene, case.state)
     scene = alone(case.scene, term).replace(**SKIN)
-    with Simulation(scene, configuration=case.configuration) as simulation:
+    with Simulation.begin(scene, configuration=case.configuration) as simulation:
         energy, forces = simulation.energies()[term], simulation.forces().forces
         slopes = np.array(list(difference_quotients(simulation, term)))
     assert energy == pytest.approx(want.energies[term], rel=ANALYTIC, abs=0)

@@ -110,6 +110,6 @@ def test_energies_are_those_of_the_formulas(name: str) -> None:
         "binding": binding,
         "division": division_energy(scene, state),
     }
-    with Simulation(scene, configuration=state) as simulation:
+    with Simulation.begin(scene, configuration=state) as simulation:
         energies = simulation.energies()
     assert {term: energies[term] for term in want} == pytest.approx(want, rel=1e-10, abs=0)

@@ -24,7 +24,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short run with a few births, and three frames."""
     directory = tmp_path_factory.mktemp("finished")
     scene = small_scene().replace(**{"end_time": 4.0, "output.dump_interval": 2.0})
-    with Simulation(scene, directory) as simulation:
+    with Simulation.begin(scene, directory) as simulation:
         simulation.run()
     return directory
 

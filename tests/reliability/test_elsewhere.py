@@ -16,7 +16,8 @@ from lammps_skin.engine import ranks
 from lammps_skin.engine.ranks import RankedEngine, check_shared_memory
 from lammps_skin.errors import SimulationError
 from lammps_skin.model.keys import to_toml
-from lammps_skin.run.simulation import Simulation, remedy
+from lammps_skin.run.remedies import remedy
+from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.memory import group_limits
 from lammps_skin.trajectory.store import Store
 
@@ -122,7 +123,7 @@ def test_under_mpirun(here: Path) -> None:
 def test_python_under_mpirun(size: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(size, "3")
     with pytest.raises(SimulationError, match="mpirun has started 3 processes, and each"):
-        Simulation("two-cells")
+        Simulation.begin("two-cells")
 
 
 # ---- the working directory, and that of temporary files
@@ -167,7 +168,7 @@ def test_a_start_that_lammps_refuses_leaves_nothing(
     skin("build", "scene.toml", "-o", "run")
     (here / "run" / "cells.in").write_text("nonsense\n")
     with pytest.raises(SimulationError, match="Unknown command: nonsense"):
-        Simulation(None, here / "run", ranks=2)
+        Simulation.begin_built(here / "run", ranks=2)
     assert not processes_with("refused-start")
 
 
@@ -190,7 +191,7 @@ def test_ranks_end_with_the_process_that_started_them(here: Path) -> None:
 import secrets, threading, os, signal
 secrets.token_hex = lambda _: "orphaned-ranks"
 from lammps_skin import Simulation
-simulation = Simulation("scene.toml", "run", ranks=2, variables={"dump_interval": 0,
+simulation = Simulation.begin("scene.toml", "run", ranks=2, variables={"dump_interval": 0,
                         "checkpoint_interval": 0})
 threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGKILL)).start()
 simulation.run(until=1e5)
@@ -295,7 +296,7 @@ import locale
 locale.setlocale(locale.LC_ALL, "{name}")
 assert locale.localeconv()["decimal_point"] == ","
 from lammps_skin import Simulation
-with Simulation("scene.toml", "run") as simulation:
+with Simulation.begin("scene.toml", "run") as simulation:
     simulation.run()
     simulation.command("variable half equal 0.5")
 with Simulation.resume("run") as simulation:
@@ -312,7 +313,7 @@ assert locale.localeconv()["decimal_point"] == ","
 
 def test_backend_and_style_of_matplotlib(here: Path) -> None:
     """The same picture, whatever the user has set for others."""
-    with Simulation("scene.toml", "run") as simulation:
+    with Simulation.begin("scene.toml", "run") as simulation:
         simulation.run()
     (here / "matplotlibrc").write_text("text.usetex: True\naxes.facecolor: black\n")
     notebook = {"MPLBACKEND": "module://matplotlib_inline.backend_inline"}
@@ -351,7 +352,7 @@ def test_a_directory_that_is_renamed(here: Path) -> None:
             (here / "run").rename(here / "moved")
 
     error = r"run is no longer there: put it back, and resume the run"
-    simulation = Simulation("scene.toml", "run")
+    simulation = Simulation.begin("scene.toml", "run")
     with pytest.raises(SimulationError, match=error) as told, simulation:
         simulation.run(progress=move, every=0.01)
     assert "timestep" not in str(told.value)

@@ -144,5 +144,5 @@ def test_more_ranks_than_there_is_memory_for(
     monkeypatch.setattr(memory, "installed", lambda: 2.5e9)
     error = r"ranks = 26: each needs at least 0\.1 GB of memory; there are 2\.5 GB"
     with pytest.raises(SimulationError, match=error):
-        Simulation("two-cells", tmp_path / "run", ranks=26)
+        Simulation.begin("two-cells", tmp_path / "run", ranks=26)
     assert not (tmp_path / "run").exists()

@@ -57,7 +57,7 @@ def test_commands_between_pieces_change_no_times(
     command: str, short: Path, scene: Scene, tmp_path: Path
 ) -> None:
     """The events are those of the run without a command, and so is the time."""
-    with Simulation(scene, tmp_path, founders(scene)) as simulation:
+    with Simulation.begin(scene, tmp_path, founders(scene)) as simulation:
         for until in (0.6, 2.4, 4.8, 6.0):
             simulation.run(until=until)
             simulation.command(command.format(tmp_path))
@@ -85,8 +85,8 @@ def test_two_simulations_side_by_side(short: Path, scene: Scene, tmp_path: Path)
     """In turns of uneven length; each is what it would be alone."""
     small = scene.replace(end_time=6.0)
     with (
-        Simulation(small, tmp_path / "one", founders(small)) as one,
-        Simulation(small.replace(seed=5), tmp_path / "two", founders(small)) as two,
+        Simulation.begin(small, tmp_path / "one", founders(small)) as one,
+        Simulation.begin(small.replace(seed=5), tmp_path / "two", founders(small)) as two,
     ):
         for until in (1.2, 3.0, 6.0):
             one.run(until=until)

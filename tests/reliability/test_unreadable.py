@@ -32,7 +32,7 @@ def ended(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Directory of a run with three checkpoints."""
     directory = tmp_path_factory.mktemp("ended")
     scene = Scene.from_dict(TINY).replace(**{"output.checkpoint_interval": 0.01})
-    with Simulation(scene, directory) as simulation:
+    with Simulation.begin(scene, directory) as simulation:
         simulation.run()
     assert len(list(directory.glob("skin.step*.restart"))) == 3
     return str(directory)

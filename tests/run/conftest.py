@@ -12,7 +12,7 @@ from tests.run.disturbed import Outcome, Runner, eventful, founders, outcome
 @pytest.fixture(scope="session")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Outcome:
     directory, scene = tmp_path_factory.mktemp("undisturbed"), eventful()
-    with Simulation(scene, directory, founders(scene)) as whole:
+    with Simulation.begin(scene, directory, founders(scene)) as whole:
         whole.run()
         found = outcome(directory, whole)
     for kind in ("birth", "death", "division_end"):

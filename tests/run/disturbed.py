@@ -6,7 +6,6 @@ import multiprocessing
 import os
 import signal
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -139,7 +138,7 @@ def _run(
     if prepare:
         prepare(*more)
     begun = (directory / checkpoints.MANIFEST).exists()
-    start = Simulation.resume if begun else partial(Simulation, None)
+    start = Simulation.resume if begun else Simulation.begin_built
     with start(directory, ranks=ranks) as driven:
         told.send(driven.time)
         driven.run(progress=lambda time, _: told.send(time), every=PIECE)

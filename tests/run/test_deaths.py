@@ -134,7 +134,9 @@ def test_the_command_is_terminated_and_resumed(built: Path, undisturbed: Outcome
     assert "test: goes on at t = " in resumed.stdout and "test: reached t = 8," in resumed.stdout
     log = (built / "log.lammps").read_text()
     assert log.count("Total wall time") == 2
-    with Simulation(None, built, variables={"restart": find_resumption(built).restart}) as ended:
+    with Simulation.begin_built(
+        built, variables={"restart": find_resumption(built).restart}
+    ) as ended:
         assert ended.time == pytest.approx(END)
         assert_close(outcome(built, ended), undisturbed)
     again = subprocess.run([*SKIN, "run", str(built), "--resume"], capture_output=True, text=True)
@@ -176,7 +178,7 @@ def test_one_rank_of_two_is_killed(built: Path, undisturbed: Outcome) -> None:
             os.kill(descendants(driven._engine._process.pid)[-1], signal.SIGKILL)
 
     named = pytest.raises(SkinError, match=r"last checkpoint: .*skin\.step50\.restart\)")
-    with named, Simulation(None, built, ranks=2) as driven:
+    with named, Simulation.begin_built(built, ranks=2) as driven:
         driven.run(progress=kill, every=PIECE)
     assert_little_is_lost(built, 1.3)
     assert_close(finish(built), undisturbed)
@@ -194,7 +196,7 @@ def test_ranks_may_outlive_a_killed_run(built: Path, undisturbed: Outcome) -> No
 
 def test_a_run_that_died_at_once_begins_again(built: Path, undisturbed: Outcome) -> None:
     """Before its first step it has made a log, and an event log without events."""
-    Simulation(None, built).close()
+    Simulation.begin_built(built).close()
     assert (built / "events.csv").read_text().count("\n") == 1
     assert_same(finish(built), undisturbed)
 

@@ -34,7 +34,7 @@ def run(halfway: Path, tmp_path: Path) -> Iterator[Path]:
 
 def test_a_simulation_does_not_replace_results(run: Path) -> None:
     with pytest.raises(SkinError, match=r"holds results of a run; Simulation\.resume goes on"):
-        Simulation(None, run)
+        Simulation.begin_built(run)
 
 
 def test_looking_at_a_run_changes_nothing(run: Path) -> None:
@@ -58,7 +58,7 @@ def test_a_running_simulation_is_left_alone(run: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(hold, "PATIENCE", 0.2)
     with Simulation.resume(run):
         with pytest.raises(SkinError, match="another process still runs in it"):
-            Simulation(None, run, replace=True)
+            Simulation.begin_built(run, replace=True)
         result = CliRunner().invoke(application("run"), ["run", str(run), "--force"])
         assert result.exit_code != 0
 

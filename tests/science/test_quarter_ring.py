@@ -21,7 +21,7 @@ EXPECTED_WARNINGS = (
 def test_quarter_ring(seed: int, tmp_path: Path) -> None:
     """Means over t = 400 to 1000 of one seed; the numbers of several are in the documents."""
     scene = Scene.load("quarter-ring").replace(seed=seed)
-    with Simulation(scene, tmp_path) as simulation:
+    with Simulation.begin(scene, tmp_path) as simulation:
         simulation.run()
         cells = simulation.cells()
 

@@ -13,7 +13,7 @@ def test_spheres_are_relaxed():
     """No component of a force on a sphere is above what the page states."""
     scene = Scene.load("one-stem").replace(**{"membrane.lattice": [16, 18], "cells.stem": 0})
     start = Configuration.from_scene(scene)
-    with Simulation(scene, configuration=start) as simulation:
+    with Simulation.begin(scene, configuration=start) as simulation:
         particles = simulation.forces()
     forces = particles.forces[particles.types == Kind.DERMAL]
     assert len(forces) > 50

@@ -91,7 +91,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     assert ended.returncode == 0, ended.stdout
     convert(directory)
     particles, cells, next_ids = [], [], []
-    with Simulation(scene, driven, high_cells(scene)) as simulation:
+    with Simulation.begin(scene, driven, high_cells(scene)) as simulation:
         for n in range(FRAMES):
             simulation.run(until=n * INTERVAL)
             particles.append(simulation.forces())

@@ -86,7 +86,9 @@ def test_the_file_is_the_converted_one(run):
 
 def test_what_is_given_to_lammps_is_in_the_file(run, tmp_path):
     given = {"seed": 77, "dump_interval": 0.25}
-    with Simulation(run.scene, tmp_path, high_cells(run.scene), variables=given) as simulation:
+    with Simulation.begin(
+        run.scene, tmp_path, high_cells(run.scene), variables=given
+    ) as simulation:
         simulation.run(until=0.6)
     assert Store(tmp_path / "skin.h5").steps.tolist() == [0, 25, 50]
     with h5py.File(tmp_path / "skin.h5") as file:
@@ -100,7 +102,7 @@ def test_the_box_is_that_of_the_run(run, tmp_path, ranks):
     configuration = high_cells(run.scene)
     configuration.box = configuration.box + np.array([-2e-4, 3e-4, 5e-4])
     x, y, z = configuration.box.tolist()
-    with Simulation(run.scene, tmp_path, configuration, ranks=ranks) as simulation:
+    with Simulation.begin(run.scene, tmp_path, configuration, ranks=ranks) as simulation:
         simulation.run(until=0.5)
         (tmp_path / "skin.data").unlink()  # nobody needs it any more
         simulation.command("change_box all z final 0 60")
@@ -120,7 +122,7 @@ def history(path: Path) -> list[tuple[int, float, str]]:
 
 def test_what_is_changed_on_the_way_is_in_the_file(run, built):
     """Variables of a resumed run, and commands, also after the last frame; not those undone."""
-    with Simulation(None, built, variables={"checkpoint_interval": 0.5}) as simulation:
+    with Simulation.begin_built(built, variables={"checkpoint_interval": 0.5}) as simulation:
         simulation.run(until=0.5)
         simulation.command("group some id 1:10")
         simulation.run(until=1.0)
@@ -148,7 +150,7 @@ def test_without_hard_links_files_are_copied(run, tmp_path, monkeypatch, refused
         raise OSError(refused, os.strerror(refused))
 
     monkeypatch.setattr(os, "link", link)
-    with Simulation(run.scene, tmp_path, high_cells(run.scene)) as simulation:
+    with Simulation.begin(run.scene, tmp_path, high_cells(run.scene)) as simulation:
         simulation.run(until=2.0)
     assert equal(Store(tmp_path / "skin.h5"), run.frames[:5])
     assert not list(tmp_path.glob("skin.h5.*"))
@@ -183,7 +185,7 @@ def test_recording_changes_nothing(run, tmp_path, ranks, every):
     for name, interval in (("with", INTERVAL), ("without", 0.0)):
         scene = run.scene.replace(**{"output.dump_interval": interval})
         configuration = high_cells(run.scene)
-        with Simulation(scene, tmp_path / name, configuration, ranks) as simulation:
+        with Simulation.begin(scene, tmp_path / name, configuration, ranks) as simulation:
             for until in (0.005, 3.33, 8.0):
                 simulation.run(until, **(watch if interval else {}))
             ends.append(simulation.forces())
@@ -201,7 +203,7 @@ def test_recording_changes_nothing(run, tmp_path, ranks, every):
 def test_a_new_run_replaces_the_results_of_another(run, built):
     for name in ("skin.h5", "skin.dump", "skin.h5.next"):
         shutil.copy(run.directory / "skin.dump", built / name)
-    with Simulation(run.scene, built, high_cells(run.scene), replace=True) as simulation:
+    with Simulation.begin(run.scene, built, high_cells(run.scene), replace=True) as simulation:
         simulation.run(until=0.5)
     assert Store(built / "skin.h5").steps.tolist() == [0, 50]
     assert {path.name for path in built.glob("skin.*")} == {"skin.h5", "skin.data", "skin.in"}
@@ -218,7 +220,7 @@ def test_no_frame_goes_back(run, built):
 @pytest.mark.parametrize("interval", ["often", -1, "inf"])
 def test_an_interval_that_cannot_be_is_refused(run, interval):
     with pytest.raises(SkinError, match=f"variable dump_interval = {interval}: must be a number"):
-        Simulation(run.scene, variables={"dump_interval": interval})
+        Simulation.begin(run.scene, variables={"dump_interval": interval})
 
 
 # ---- resuming
@@ -240,7 +242,7 @@ def test_resumed_runs_go_on_in_one_trajectory(run, built, ways):
 
     def by(way: str, until: float, **more: object) -> None:
         if way == "python":
-            with Simulation(None, built, variables={**given, **more}) as simulation:
+            with Simulation.begin_built(built, variables={**given, **more}) as simulation:
                 simulation.run(until)
         else:
             values = {**given, **more, "end_time": until}.items()
@@ -271,14 +273,14 @@ def test_a_damaged_file_is_not_overwritten(run, built):
 def test_dates_of_files_do_not_decide_where_a_trajectory_goes_on(run, built):
     """Python, lmp and Python again; skin.h5 is dated after the dump."""
     given = {"checkpoint_interval": 2.0}
-    with Simulation(None, built, variables=given) as simulation:
+    with Simulation.begin_built(built, variables=given) as simulation:
         simulation.run(4.0)
     restart = newest_restart(built)
     values = {**given, "end_time": 6.5, "restart": restart}.items()
     assert lmp(built, *(word for k, v in values for word in ("-var", k, str(v)))).returncode == 0
     os.utime(built / "skin.h5", (2**32, 2**32))
     restart = max(built.glob("skin.[12].restart"), key=lambda file: file.stat().st_mtime_ns).name
-    with Simulation(None, built, variables={**given, "restart": restart}) as simulation:
+    with Simulation.begin_built(built, variables={**given, "restart": restart}) as simulation:
         simulation.run(7.0)
     assert Store(built / "skin.h5").steps.tolist() == list(range(0, 701, 50))
 

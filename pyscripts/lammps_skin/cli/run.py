@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -93,9 +93,10 @@ def _begun(
     with console.status("building"):
         configuration = Configuration.from_scene(scene) if scene else None
         with replaced_results(directory):
-            return Simulation(
-                scene, directory, configuration, ranks, threads, replace=force, held=held
-            )
+            how: dict[str, Any] = {"replace": force, "held": held}
+            if scene is None:
+                return Simulation.begin_built(directory, ranks, threads, **how)
+            return Simulation.begin(scene, directory, configuration, ranks, threads, **how)
 
 
 def _resumed(

@@ -32,7 +32,7 @@ import sys
 from lammps_skin.errors import SkinError
 from lammps_skin.run.simulation import Simulation
 try:
-    Simulation(None, sys.argv[1], variables={"restart": sys.argv[2]}).close()
+    Simulation.begin_built(sys.argv[1], variables={"restart": sys.argv[2]}).close()
 except SkinError as error:
     sys.exit(str(error).partition(" (starting")[0])
 """

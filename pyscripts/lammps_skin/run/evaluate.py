@@ -205,7 +205,7 @@ def evaluate(
         configuration.check(scene)
     except ConfigurationError as error:
         raise ConfigurationError(f"configuration {path}: {error}") from None
-    with Simulation(scene, configuration=configuration) as simulation:
+    with Simulation.begin(scene, configuration=configuration) as simulation:
         energies, forces, cells = simulation.energies(), simulation.forces(), simulation.cells()
     endless = forces.ids[~np.isfinite(forces.forces).all(axis=1)] - 1
     if len(endless) or not np.isfinite([*energies.values()]).all():

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import errno
-import os
 import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
@@ -23,68 +21,62 @@ from lammps_skin.model.terms import Terms
 from lammps_skin.run.checkpoints import PART, Checkpoints, find_resumption
 from lammps_skin.run.hold import Hold
 from lammps_skin.run.interruption import Interruption
+from lammps_skin.run.remedies import remedy
 from lammps_skin.run.results import holds_results
 from lammps_skin.start.build import build
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.start.memory import check_ranks
 from lammps_skin.trajectory.recorder import Recorder, set_aside_if_damaged
 
-# of errors that a shorter timestep can prevent: of our styles, and of LAMMPS
-UNSTABLE = (
-    "smaller timestep", "Lost atoms", "atoms missing", "missing on proc", "Out of range atoms",
-    "Non-numeric", "NaN", "inner cutoff", "outer cutoff", "Bond length", "half of periodic box",
-    "moved too far", "Atom coords",
-)  # fmt: skip
 Progress = Callable[[float, Any], None]
 
 
 class Simulation:
     """A run of a scene; a context manager that closes LAMMPS.
 
-    Parameters
-    ----------
-    scene : Scene, str, Path or None
-        What to simulate, or the name or file of it. None takes the scene that was already
-        built in `directory`, as it is.
-    directory : path, optional
-        Where inputs and output go; a temporary folder, removed at the end, if not given.
-    configuration : Configuration, optional
-        Initial state; built from the scene if not given.
-    ranks, threads : int
-        MPI ranks, and OpenMP threads of each.
-    variables : mapping, optional
-        Overrides of variables of scene.in, as ``-var`` on the command line.
-    replace : bool
-        Whether the results of an earlier run in `directory` may be replaced.
-    held : Hold, optional
-        The directory, if it is held already; it is the caller's to close.
+    `begin`, `begin_built` and `resume` make one.
 
     Attributes
     ----------
     scene : Scene
     directory : Path
+        Where inputs and output are.
     notes : list of str
         What was found to be damaged, after `resume`.
     sound : bool
         Whether LAMMPS can go on; not after an error of a run.
 
-    Raises
-    ------
-    SceneError, ConfigurationError
-        For what cannot be built.
-    SimulationError
-        When LAMMPS stops, another process runs in the directory, or it holds results of a run.
-
     Examples
     --------
-    >>> with Simulation("two-cells") as simulation:
+    >>> with Simulation.begin("two-cells") as simulation:
     ...     simulation.run(until=10.0)
     ...     adhesion = simulation.energies()["adhesion"]
     """
 
     def __init__(
         self,
-        scene: Scene | str | Path | None = None,
+        scene: Scene,
+        directory: Path,
+        ranks: int,
+        threads: int,
+        variables: Mapping[str, Any],
+        held: Hold,
+        temporary: bool = False,
+    ) -> None:
+        """Open LAMMPS with the scene that is built in a directory, which is held."""
+        self.scene, self.directory = scene, directory
+        self.notes: list[str] = []
+        self.sound = True
+        self._temporary = temporary
+        self._recorder = Recorder(directory, scene, variables)
+        self._checkpoints = Checkpoints(directory, scene, variables)
+        self._engine: Any = _open(scene, directory, ranks, threads, variables, held)
+        self._resources = ExitStack()
+
+    @classmethod
+    def begin(
+        cls,
+        scene: Scene | str | Path,
         directory: str | Path | None = None,
         configuration: Configuration | None = None,
         ranks: int = 1,
@@ -92,48 +84,70 @@ class Simulation:
         variables: Mapping[str, Any] | None = None,
         replace: bool = False,
         held: Hold | None = None,
-    ) -> None:
-        if isinstance(scene, (str, Path)):
+    ) -> Self:
+        """Build a scene and begin with it.
+
+        Parameters
+        ----------
+        scene : Scene, str or Path
+            What to simulate, or the name or file of it.
+        directory : path, optional
+            Where inputs and output go; a temporary folder, removed at the end, if not given.
+        configuration : Configuration, optional
+            Initial state; built from the scene if not given.
+        ranks, threads : int
+            MPI ranks, and OpenMP threads of each.
+        variables : mapping, optional
+            Overrides of variables of scene.in, as ``-var`` on the command line.
+        replace : bool
+            Whether the results of an earlier run in `directory` may be replaced.
+        held : Hold, optional
+            The directory, if it is held already; it is the caller's to close.
+
+        Raises
+        ------
+        SceneError, ConfigurationError
+            For what cannot be built.
+        SimulationError
+            When LAMMPS stops, another process runs in the directory, or it holds results of a run.
+        """
+        if not isinstance(scene, Scene):
             scene = Scene.load(scene)
-        variables = dict(variables or {})
-        self._temporary = not directory
+        variables = variables or {}
         with ExitStack() as resources:  # to be closed if the simulation cannot begin
+            temporary = not directory
             if not directory:
                 directory = resources.enter_context(tempfile.TemporaryDirectory(prefix="skin-"))
-            self.directory = Path(directory).resolve()
-            check_run(self.directory, ranks, threads)
-            held = held or resources.enter_context(Hold(self.directory, make=scene is not None))
-            begins = "restart" not in variables
-            if begins and not replace and holds_results(self.directory):
-                raise SimulationError(
-                    f"directory {self.directory}: holds results of a run; Simulation.resume goes "
-                    "on with it, replace=True replaces them"
-                )
-            if scene is None:
-                self.scene = load_built(self.directory)
-                check_data(self.directory / "skin.data", self.scene.kinds)
-            else:
-                self.scene = scene
-                build(scene, self.directory, configuration)
-            self.notes: list[str] = []
-            self._recorder = Recorder(self.directory, self.scene, variables)
-            self._checkpoints = Checkpoints(self.directory, self.scene, variables)
-            self._engine: Any = self._open(ranks, threads, variables, held)
-            self._resources = resources.pop_all()
-        self.sound = True
+            directory = Path(directory).resolve()
+            check_run(directory, ranks, threads)
+            held = held or resources.enter_context(Hold(directory, make=True))
+            _check_replaced(directory, variables, replace)
+            build(scene, directory, configuration)
+            simulation = cls(scene, directory, ranks, threads, variables, held, temporary)
+            simulation._resources = resources.pop_all()
+        return simulation
 
-    def _open(self, ranks: int, threads: int, variables: dict[str, Any], held: Hold) -> Any:
-        """LAMMPS with the scene that is built in the directory."""
-        arguments = (
-            self.directory, self.scene.kinds, Terms(self.scene).names,
-            {**variables, "running": 0, "dump_interval": 0, "restart_file": PART}, threads,
-        )  # fmt: skip
-        try:
-            if ranks == 1:
-                return Engine(*arguments)
-            return RankedEngine(ranks, held.descriptor, *arguments)
-        except SimulationError as error:
-            raise SimulationError(f"{error} (starting the scene in {self.directory})") from None
+    @classmethod
+    def begin_built(
+        cls,
+        directory: str | Path,
+        ranks: int = 1,
+        threads: int = 1,
+        variables: Mapping[str, Any] | None = None,
+        replace: bool = False,
+        held: Hold | None = None,
+    ) -> Self:
+        """Begin with the scene that was built in a directory, as it is; else as `begin`."""
+        directory, variables = Path(directory).resolve(), variables or {}
+        check_run(directory, ranks, threads)
+        with ExitStack() as resources:
+            held = held or resources.enter_context(Hold(directory))
+            _check_replaced(directory, variables, replace)
+            scene = load_built(directory)
+            check_data(directory / "skin.data", scene.kinds)
+            simulation = cls(scene, directory, ranks, threads, variables, held)
+            simulation._resources = resources.pop_all()
+        return simulation
 
     @classmethod
     def resume(
@@ -168,10 +182,7 @@ class Simulation:
             if restart:
                 variables = {**variables, "restart": restart}
             try:
-                simulation = cls(
-                    None, directory, ranks=ranks, threads=threads, variables=variables,
-                    replace=True, held=held,
-                )  # fmt: skip
+                simulation = cls.begin_built(directory, ranks, threads, variables, True, held)
             except SkinError as error:
                 if damaged:
                     raise SimulationError(f"{error}; {damaged}") from None
@@ -320,27 +331,30 @@ class Simulation:
         return self._engine
 
 
-def remedy(error: str, directory: Path, timestep: float, shorter: float) -> str:
-    """What to do after an error of a run."""
-    if not directory.is_dir():
-        return f"{directory} is no longer there: put it back, and resume the run"
-    if any(os.strerror(full) in error for full in (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)):
-        return "make room for its files, and resume the run"
-    if "was killed" in error:
-        return (
-            "as the system does when memory runs out, or a batch system at its limits: resume the "
-            "run, with more of them or on fewer ranks"
+def _open(
+    scene: Scene, directory: Path, ranks: int, threads: int, variables: Mapping[str, Any],
+    held: Hold,
+) -> Any:  # fmt: skip
+    """LAMMPS with the scene that is built in a directory."""
+    arguments = (
+        directory, scene.kinds, Terms(scene).names,
+        {**variables, "running": 0, "dump_interval": 0, "restart_file": PART}, threads,
+    )  # fmt: skip
+    try:
+        if ranks == 1:
+            return Engine(*arguments)
+        return RankedEngine(ranks, held.descriptor, *arguments)
+    except SimulationError as error:
+        raise SimulationError(f"{error} (starting the scene in {directory})") from None
+
+
+def _check_replaced(directory: Path, variables: Mapping[str, Any], replace: bool) -> None:
+    """Refuse to begin where a run has left results, unless they may be replaced."""
+    if "restart" not in variables and not replace and holds_results(directory):
+        raise SimulationError(
+            f"directory {directory}: holds results of a run; Simulation.resume goes on with it, "
+            "replace=True replaces them"
         )
-    if "the state that this run began with" in error:
-        return "change it or the scene"
-    if "leaves the box" in error:
-        return (
-            f"numerics.timestep = {timestep:g}; try {shorter:.3g}, or, for a tissue that moves "
-            "as a whole, other membrane.height and box_height"
-        )
-    if any(sign in error for sign in UNSTABLE):
-        return f"numerics.timestep = {timestep:g}; try {shorter:.3g}"
-    return "mend that, and resume the run"
 
 
 def check_run(directory: Path, ranks: int, threads: int) -> None:

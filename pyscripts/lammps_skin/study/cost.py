@@ -110,7 +110,7 @@ def measure(scene: Scene, seconds: float = 1.0) -> float:
     steps = max(round(seconds / estimate(scene).first_step), 20)
     warm_up = max(steps // 10, 1)
     quiet = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
-    with Simulation(scene.replace(**quiet)) as simulation:
+    with Simulation.begin(scene.replace(**quiet)) as simulation:
         simulation.run(until=warm_up * timestep)
         began = time.perf_counter()
         simulation.run(until=(warm_up + steps) * timestep)

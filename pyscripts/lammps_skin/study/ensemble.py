@@ -135,7 +135,7 @@ class Member:
 
     def _simulation(self, held: Hold) -> Simulation:
         if not holds_results(self.directory):
-            return Simulation(self.scene, self.directory, held=held)
+            return Simulation.begin(self.scene, self.directory, held=held)
         try:
             return Simulation.resume(self.directory, held=held)
         except SkinError as error:

@@ -77,8 +77,8 @@ def measured(scene: Scene, steps: int = 10) -> list[Saving]:
 def _started(scene: Scene, start: Configuration) -> Simulation:
     """A simulation of a scene from the same state, as far as it has the particles."""
     if scene.dermis.present:
-        return Simulation(scene, configuration=start)
-    return Simulation(scene, configuration=_without_dermis(start))
+        return Simulation.begin(scene, configuration=start)
+    return Simulation.begin(scene, configuration=_without_dermis(start))
 
 
 def _without_dermis(start: Configuration) -> Configuration:

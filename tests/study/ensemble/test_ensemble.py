@@ -99,7 +99,9 @@ def test_a_killed_run_goes_on(scene, tmp_path):
     child = os.fork()
     if child == 0:
         kept = {"checkpoint_interval": 0.5}
-        with Simulation(scene.replace(seed=2), killed.directory, variables=kept) as simulation:
+        with Simulation.begin(
+            scene.replace(seed=2), killed.directory, variables=kept
+        ) as simulation:
             simulation.run(until=1.7)
             os.kill(os.getpid(), signal.SIGKILL)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
@@ -114,7 +116,7 @@ def test_a_killed_run_goes_on(scene, tmp_path):
 def test_a_directory_that_is_in_use_is_left_alone(scene, tmp_path, monkeypatch):
     monkeypatch.setattr("lammps_skin.run.hold.PATIENCE", 0.1)
     (member,) = members([scene], [1], tmp_path)
-    with Simulation(member.scene, member.directory) as simulation:
+    with Simulation.begin(member.scene, member.directory) as simulation:
         with pytest.raises(SkinError, match="runs in"):
             member.run()
         simulation.run()
@@ -122,9 +124,9 @@ def test_a_directory_that_is_in_use_is_left_alone(scene, tmp_path, monkeypatch):
 
 def test_runs_from_elsewhere(skin, scene, tmp_path):
     done, part = tmp_path / "done", tmp_path / "part"
-    with Simulation(scene.replace(seed=7), done) as simulation:
+    with Simulation.begin(scene.replace(seed=7), done) as simulation:
         simulation.run()
-    with Simulation(scene.replace(seed=8), part) as simulation:
+    with Simulation.begin(scene.replace(seed=8), part) as simulation:
         simulation.run(until=1.0)
     before = {path: path.stat().st_mtime_ns for path in done.iterdir()}
     answer = skin("ensemble", "--from", done, "--from", part, "--from", tmp_path, "-o", "many")
@@ -142,7 +144,7 @@ def test_runs_from_elsewhere(skin, scene, tmp_path):
 
 def test_a_run_whose_versions_nobody_knows(skin, scene, tmp_path):
     """As a file of another program; what it does not name is unknown."""
-    with Simulation(scene.replace(seed=7), tmp_path / "done") as simulation:
+    with Simulation.begin(scene.replace(seed=7), tmp_path / "done") as simulation:
         simulation.run()
     assert dict(member_of(tmp_path / "done", tmp_path).made_by) == versions()
     shutil.copytree(tmp_path / "done", tmp_path / "other")
@@ -216,7 +218,7 @@ def test_a_gathered_table_of_another_key_is_kept(scene, tmp_path):
 
 def test_a_run_that_cannot_be_resumed_is_kept(scene, tmp_path):
     (member,) = members([scene], [1], tmp_path)
-    with Simulation(
+    with Simulation.begin(
         member.scene, member.directory, variables={"checkpoint_interval": 0.5}
     ) as simulation:
         simulation.run(until=1.0)

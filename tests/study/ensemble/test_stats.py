@@ -13,7 +13,7 @@ from lammps_skin.run.simulation import Simulation
 
 @pytest.fixture
 def run(scene, tmp_path):
-    with Simulation(scene, tmp_path / "run") as simulation:
+    with Simulation.begin(scene, tmp_path / "run") as simulation:
         simulation.run()
     return tmp_path / "run"
 
@@ -50,7 +50,7 @@ def test_what_is_printed(skin, run):
 
 def test_the_seed_is_that_of_the_run(skin, scene, tmp_path):
     """Which may be another one than its scene's."""
-    with Simulation(scene, tmp_path / "run", variables={"seed": 7}) as simulation:
+    with Simulation.begin(scene, tmp_path / "run", variables={"seed": 7}) as simulation:
         simulation.run(until=1.0)
     first = skin("stats", "run").out.splitlines()[0]
     assert first == "tiny, papilla, seeds 7 of cells, 1 of dermis: 3 frames, t = 0 to 1 of 3"
@@ -71,7 +71,7 @@ def test_a_membrane_without_cells(skin, tmp_path):
     scene = Scene.load("bare-membrane").replace(
         **{"membrane.lattice": [12, 14], "end_time": 0.2, "output.dump_interval": 0.1}
     )
-    with Simulation(scene, tmp_path / "bare") as simulation:
+    with Simulation.begin(scene, tmp_path / "bare") as simulation:
         simulation.run()
     found = json.loads(skin("stats", tmp_path / "bare", "--json").out)
     assert found["observables"]["stem"] == [0, 0, 0]

@@ -73,7 +73,7 @@ def run(scene: Scene, configuration: Configuration | None = None, **options: Any
     """Run to the end: "" for a sane state, or the text of the error; printed, too."""
     outcome = ""
     try:
-        with Simulation(scene, configuration=configuration, **options) as simulation:
+        with Simulation.begin(scene, configuration=configuration, **options) as simulation:
             simulation.run()
             assert_sane(simulation)
     except SimulationError as error:
@@ -133,7 +133,7 @@ def test_timestep_around_the_limit(factor: float) -> None:
     )  # fmt: skip
     on_top = lattice.positions(scene.membrane.lattice, scene.spacing, HEIGHT)[100]
     start = place(scene, [(Kind.STEM, (*on_top[:2], on_top[2] + CONTACT + 1e-4), 0)])
-    with Simulation(scene, configuration=start) as simulation:
+    with Simulation.begin(scene, configuration=start) as simulation:
         simulation.run(until=20 * factor * limit)
         stretch = abs(float(simulation.cells().distance[0]) - CONTACT)
     assert (stretch < 1e-4) == (factor < 1)
@@ -150,7 +150,7 @@ def test_all_cells_removed(level: str) -> None:
     """TA cells that begin beyond the threshold leave, and the membrane goes on."""
     scene = small(level)
     far = [(Kind.TA, (2.0 + 2 * n, 3.0, HEIGHT + 2 * CONTACT), 3) for n in range(3)]
-    with Simulation(scene, configuration=place(scene, far)) as simulation:
+    with Simulation.begin(scene, configuration=place(scene, far)) as simulation:
         simulation.run()
         assert len(simulation.cells().ids) == 0
         assert_sane(simulation)
@@ -194,7 +194,7 @@ def test_dense_dermis(level: str) -> None:
 @pytest.mark.parametrize("form", ["analytic", "table"])
 def test_overstretched_link_is_named(form: str, ranks: int) -> None:
     free = {"cells.stem": 0, "numerics.largest_move": 0.0, "numerics.pair_form": form}
-    with Simulation(small("reference", **free), ranks=ranks) as simulation:
+    with Simulation.begin(small("reference", **free), ranks=ranks) as simulation:
         simulation.command("group one id 101")
         simulation.command("fix pull one addforce 0 0 300")
         error = r"link of atoms \d+ and \d+ has length \S+ on step 1, .*try a smaller timestep"
@@ -206,7 +206,7 @@ def test_cell_through_the_membrane_is_named(tmp_path: Path) -> None:
     """A force that no term of the model has pushes a cell into the membrane."""
     scene = small("reference", **{"numerics.largest_move": 0.0})
     cells = [(Kind.STEM, (4.0, 4.0, HEIGHT + CONTACT), 0)]
-    with Simulation(scene, tmp_path, place(scene, cells)) as simulation:
+    with Simulation.begin(scene, tmp_path, place(scene, cells)) as simulation:
         simulation.command("group sheet type membrane")
         simulation.command("fix hold sheet setforce 0 0 0")
         simulation.command("fix push cells addforce 0 0 -300")
@@ -222,7 +222,7 @@ def test_cell_that_would_pierce_divides_the_step(push: float) -> None:
     long = {"numerics.timestep": 2.0, "numerics.stages": 13, "numerics.largest_move": 1e3}
     scene = small("fast", **slow, **long)
     cells = [(Kind.STEM, (4.0, 4.0, HEIGHT + CONTACT), 0)]
-    with Simulation(scene, configuration=place(scene, cells)) as simulation:
+    with Simulation.begin(scene, configuration=place(scene, cells)) as simulation:
         simulation.command("group sheet type membrane")
         simulation.command("fix hold sheet setforce 0 0 0")
         simulation.command(f"fix push cells addforce 0 0 {-push}")
@@ -235,13 +235,13 @@ def test_a_stem_cell_that_nothing_binds_is_named() -> None:
     """No division of the step keeps it at the membrane: the run does not try for ever."""
     scene = Scene.load("demo").replace(**{"cells.binding_stiffness": 0.0})
     named = pytest.raises(SimulationError, match=r"stem cell \d+ has lost the membrane on step \d+")
-    with Simulation(scene) as simulation, named:
+    with Simulation.begin(scene) as simulation, named:
         simulation.run()
 
 
 def test_what_is_no_number_is_named() -> None:
     scene = small("reference", **{"cells.stem": 0, "numerics.largest_move": 0.0})
-    with Simulation(scene) as simulation:
+    with Simulation.begin(scene) as simulation:
         simulation.command("variable none atom 0/0")
         simulation.command("fix push all addforce 0 0 v_none")
         with pytest.raises(SimulationError, match=r"unstable on step \d+|Divide by 0"):
@@ -256,7 +256,7 @@ def test_overlap_is_named(form: str, style: str) -> None:
     free = {"numerics.pair_form": form, "numerics.largest_move": 0.0}
     scene = small("reference", **free)
     cells = [(Kind.TA, (x, 6.0, HEIGHT + CONTACT), 3) for x in (4.0, 6.8)]
-    with Simulation(scene, configuration=place(scene, cells)) as simulation:
+    with Simulation.begin(scene, configuration=place(scene, cells)) as simulation:
         first = int(simulation.cells().ids[0])
         simulation.command(f"group one id {first}")
         simulation.command(f"fix push one addforce {2.2 / scene.numerics.timestep} 0 0")
@@ -297,7 +297,7 @@ def test_the_term_that_is_unstable_is_named(term: str, ranks: int) -> None:
     if term == "springs":
         start.pair[-2:] = len(start.pair) - np.array([0, 1])
         start.pair_start[-2:] = 0.0
-    with Simulation(scene, configuration=start, ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=start, ranks=ranks) as simulation:
         if term == "push":
             simulation.command("fix push all addforce 0 0 1e9")
         error = rf"unstable on step 1: .*, most of it from {named}, which would need"
@@ -309,7 +309,7 @@ def test_the_term_that_is_unstable_is_named(term: str, ranks: int) -> None:
 def test_particle_that_leaves_the_box_is_named(push: float, end: str) -> None:
     """Without a dermis nothing holds the membrane; here it is pushed to both ends of the box."""
     scene = small("balanced", **{"cells.stem": 0})
-    with Simulation(scene) as simulation:
+    with Simulation.begin(scene) as simulation:
         simulation.command(f"fix push all addforce 0 0 {push}")
         error = rf"atom \d+ of type \d leaves the box on step \d+: z = {end}.*membrane.height"
         with pytest.raises(SimulationError, match=error):
@@ -349,7 +349,7 @@ def test_ten_thousand_cells_on_a_quarter(level: str, how: str) -> None:
 def test_ten_thousand_time_units(name: str) -> None:
     quiet = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
     scene = Scene.load(name).replace(**quiet, end_time=10_000.0)
-    with Simulation(scene) as simulation:
+    with Simulation.begin(scene) as simulation:
         simulation.run()
         assert_sane(simulation)
         assert simulation.time == 10_000.0

@@ -115,7 +115,7 @@ def rough(**changes: object) -> Scene:
 @pytest.mark.parametrize("limit", [8.0, pytest.param(0.0, marks=pytest.mark.slow)])
 def test_largest_eigenvalue_is_that_of_the_whole_hessian(limit: float) -> None:
     """All second derivatives, column by column, with and without mobilities."""
-    with Simulation(rough(**{"numerics.stiffness_limit": limit})) as simulation:
+    with Simulation.begin(rough(**{"numerics.stiffness_limit": limit})) as simulation:
         simulation.command("displace_atoms all random 0.02 0.02 0.02 5 units box")
         simulation.command("run 0 post no")
         begun = simulation.forces()
@@ -141,7 +141,7 @@ def test_largest_eigenvalue_is_that_of_the_whole_hessian(limit: float) -> None:
 
 def test_mobilities_are_those_of_a_run() -> None:
     """The number and the least of those that are below 1, as fix skin/motion counts them."""
-    with Simulation(rough(**{"numerics.stiffness_limit": 8.0})) as simulation:
+    with Simulation.begin(rough(**{"numerics.stiffness_limit": 8.0})) as simulation:
         mobility = mobilities(simulation)
         motion = simulation.motion()
     lowered = mobility < 1 - 1e-9

@@ -32,7 +32,7 @@ def small(**changes: Any) -> Scene:
 
 
 def eigenvalue(scene: Scene, start: Configuration) -> float:
-    with Simulation(scene, configuration=start) as simulation:
+    with Simulation.begin(scene, configuration=start) as simulation:
         return largest_eigenvalue(simulation, np.ones(len(simulation.forces().ids)))
 
 
@@ -125,5 +125,5 @@ def test_an_unstable_run_tells_a_timestep_that_may_be_stable() -> None:
     wild = {"numerics.timestep": 0.5, "numerics.largest_move": 0.0, "membrane.noise": 0.3}
     scene = small(**wild, end_time=5.0, **{"output.thermo_interval": 5.0})
     told = pytest.raises(SimulationError, match=r"timestep = 0\.5; try 0\.0111")
-    with Simulation(scene) as simulation, told:
+    with Simulation.begin(scene) as simulation, told:
         simulation.run()

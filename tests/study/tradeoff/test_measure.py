@@ -28,7 +28,7 @@ def test_errors_fall_with_the_timestep(laboratory, busy):
     distances = {
         one.name: distance(laboratory.reached(one), truth, busy.box_sides) for one in found
     }
-    with Simulation(busy) as simulation:
+    with Simulation.begin(busy) as simulation:
         start = Reached(*simulation.forces()[::2], simulation.motion())
     moved = distance(start, truth, busy.box_sides)
     assert 0 < distances["reference"].rms < 1e-2 * moved.rms
@@ -42,7 +42,7 @@ def test_errors_fall_with_the_timestep(laboratory, busy):
 
 def test_trajectories_have_no_events_and_times_have(laboratory, busy):
     (one,) = euler(busy)
-    with Simulation(busy) as simulation:
+    with Simulation.begin(busy) as simulation:
         start = simulation.forces().ids
         simulation.run(until=1.0)
         assert len(simulation.cells().ids) > 3
@@ -95,7 +95,7 @@ def test_distance_across_the_periodic_sides():
 
 def test_from_a_run(busy, tmp_path):
     scene = busy.replace(**{"output.checkpoint_interval": 0.5})
-    with Simulation(scene, tmp_path / "run") as simulation:
+    with Simulation.begin(scene, tmp_path / "run") as simulation:
         simulation.run(until=0.6)
         cells = len(simulation.cells().ids)
     laboratory = Laboratory(busy, tmp_path / "measured", tmp_path / "run", interval=1.0)

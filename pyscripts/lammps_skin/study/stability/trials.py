@@ -264,7 +264,7 @@ class Trials:
             raise SkinError(f"folder {self.store.folder}: {error.strerror}") from None
         if restart or self.state.restart:
             given["restart"] = f"{restart or 'state'}.restart"
-        with Simulation(None, self._directory, variables=given) as simulation:
+        with Simulation.begin_built(self._directory, variables=given) as simulation:
             if restart is None:
                 simulation.command(f"displace_atoms all random {KICK} {KICK} {KICK} 1 units box")
                 simulation.command("run 0 post no")

@@ -70,7 +70,7 @@ class Laboratory:
         path = self.store.path("state", "start", digest(physics(self.scene)), ".restart")
         if not path.exists():
             reference = variant(self.scene, REFERENCE, {"accuracy": REFERENCE})
-            with Simulation(_quiet(reference.scene), configuration=self._begun) as simulation:
+            with Simulation.begin(_quiet(reference.scene), configuration=self._begun) as simulation:
                 simulation.command(f"write_restart {simulation.directory}/{path.name}")
                 with completed(path) as part:
                     shutil.copyfile(simulation.directory / path.name, part)
@@ -103,7 +103,9 @@ class Laboratory:
             ) as name:
                 directory = Path(name)
                 shutil.copyfile(state, directory / "state.restart")
-                with Simulation(scene, directory, self._begun, variables=variables) as simulation:
+                with Simulation.begin(
+                    scene, directory, self._begun, variables=variables
+                ) as simulation:
                     yield simulation
         except OSError as error:
             raise SkinError(f"folder {folder}: {error.strerror}") from None
