@@ -144,7 +144,7 @@ def test_levels_of_accuracy() -> None:
 
 def test_parameter_sets() -> None:
     markdown = section("scene.md", "Parameter sets")
-    names = re.findall(r"`(\w+)`", markdown.split("| --- |")[0].splitlines()[-1])
+    names = re.findall(r"`([\w-]+)`", markdown.split("| --- |")[0].splitlines()[-1])
     assert names == list(parameters.SETS)
     scenes = [Scene.from_dict({"parameters": name}) for name in names]
     differing = [

@@ -63,13 +63,16 @@ class Parameters:
 
 
 def named(name: str) -> Parameters:
-    """Return one of the parameter sets printed, papilla, weak5, direct5."""
+    """Return one of the named parameter sets."""
     length = Parameters(division_spring="length")
+    earlier = replace(length, Kad=5.0, lam=1.2, force_scale="direct")
     sets = {
         "printed": Parameters(),
         "papilla": replace(length, lam=1.2),
         "weak5": replace(length, Kad=5.0),
         "direct5": replace(length, Kad=5.0, force_scale="direct"),
+        "earlier": earlier,
+        "earlier-stiff": replace(earlier, Kbend=10.0),
     }
     if name not in sets:
         raise ValueError(f"parameter set {name!r} is not one of {', '.join(sets)}")

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from lammps_skin.kinds import Kind
+from lammps_skin.model.parameters import SETS
 from lammps_skin.run.evaluate import SHORT, Evaluation, evaluate
 from model_states import (
     TABLES,
@@ -29,7 +30,7 @@ REFERENCE_SETS: dict[str, tuple[str, dict[str, Any]]] = {
     "V1_lam1.4_Kad25": ("printed", {"cells.division_spring": "length"}),
     "V1_lam1.2_Kad25": ("papilla", {}),
     "V2_lam1.4_Kad5": ("direct5", {}),
-    "V2_lam1.2_Kad5": ("direct5", {"cells.adhesion_range": 1.2}),
+    "V2_lam1.2_Kad5": ("earlier", {}),
 }
 NO_TABLES = {
     "dermis.stiffness": 0.0,
@@ -104,7 +105,7 @@ def test_reference_without_tables() -> None:
     assert_forces(got.forces.forces, total, force_tolerance(want, TERMS, 1e-11, 0.0))
 
 
-@pytest.mark.parametrize("name", ["printed", "papilla", "weak5", "direct5"])
+@pytest.mark.parametrize("name", SETS)
 def test_named_sets(name: str) -> None:
     """The scene's parameter sets are those of the numpy model, number by number."""
     scene = small_scene("quarter-nd-a", name)

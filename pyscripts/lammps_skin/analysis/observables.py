@@ -1,8 +1,8 @@
 """One table of observables for a trajectory: a row for every frame, a column for each observable.
 
 The columns (see docs/analysis.md): numbers of cells, what has happened to them, how much of the
-membrane they cover, its height, its papillae, the cells on their tips, the order parameters of
-stem and of ND cells. What is not defined in a frame is NaN.
+membrane they cover and whether in one layer, its height, its papillae, the cells on their tips,
+the order parameters of stem and of ND cells. What is not defined in a frame is NaN.
 """
 
 from __future__ import annotations
@@ -27,16 +27,22 @@ from lammps_skin.trajectory.universe import open_trajectory
 
 Table = NDArray[np.void]
 
-VERSION = 2  # to be raised when a column changes or means something else
+VERSION = 3  # to be raised when a column changes or means something else
 ORDERS = ("chi_H", "chi_G", "zeta", "sigma")
 TIPS = ("on_tips", "tips_expected", "tips_sd", "tips_z", "tips_p")
+LAYER = (
+    "none_below", "cells_below", "most_on_particle", "particles_holding", "membrane_area",
+    "cell_area", "long_link",
+)  # fmt: skip
 FRACTIONS = (
-    "coverage", "stem_on_tips", "stem_tips_expected", "nd_on_tips", "nd_tips_expected",
+    "coverage", "none_below", "particles_holding", "stem_on_tips", "stem_tips_expected",
+    "nd_on_tips", "nd_tips_expected",
 )  # fmt: skip
 COLUMNS = (
-    "time", *(kind.label for kind in CELLS), "births", "deaths", "coverage",
+    "time", *(kind.label for kind in CELLS), "births", "deaths", "coverage", *LAYER,
     "height", "height_std", "skewness", "skewness_low", "skewness_high",
     "papillae", "papilla_height", "papilla_width", "papilla_spacing",
+    "papilla_width_cells",
     *(f"{kind}_{name}" for kind in ("stem", "nd") for name in TIPS),
     *ORDERS, *(f"{name}_nd" for name in ORDERS),
 )  # fmt: skip
@@ -75,7 +81,7 @@ class Observables(StateAnalysis):
         return (
             *count_by_kind(state.kinds).values(),
             *(happened or (np.nan, np.nan)),
-            state.coverage,
+            state.coverage, *_layer(state),
             z.mean(), (z - z[0]).std(), *_relief(state),  # 0 of what is flat
             *state.order(Kind.STEM), *state.order(Kind.ND),
         )  # fmt: skip
@@ -86,11 +92,22 @@ class Observables(StateAnalysis):
         self.results.table = np.array(rows, [(name, float) for name in COLUMNS])
 
 
+def _layer(state: State) -> tuple[float, ...]:
+    """Columns `LAYER`: lengths as they are, areas over that of the box and of the membrane."""
+    area = state.sheet.area
+    cells = len(state.cells) * np.pi * state.scene.cells.radius**2
+    box = float(np.prod(state.box))
+    return *state.layering, area / box, cells / area, state.sheet.long_link
+
+
 def _relief(state: State) -> tuple[float, ...]:
     """Columns from the skewness to the tips; NaN where the membrane is no sheet over the box."""
+    diameter = 2 * state.scene.cells.radius
     try:
+        height, width, spacing = state.papilla_means()
         return (
-            *state.skewness(), len(state.papillae.height), *state.papilla_means(),
+            *state.skewness(), len(state.papillae.height), height, width, spacing,
+            width / diameter,
             *state.tips(Kind.STEM), *state.tips(Kind.ND),
         )  # fmt: skip
     except MembraneError:

@@ -11,6 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from lammps_skin.analysis.basal_layer import Layering, Sheet, layering, sheet
 from lammps_skin.analysis.coverage import coverage
 from lammps_skin.analysis.curvature import curvature
 from lammps_skin.analysis.geometry import nearest
@@ -93,6 +94,17 @@ class State:
         """Fraction of membrane particles within lambda (R_c + R_m) of the centre of a cell."""
         reach = self.scene.cells.adhesion_range * self.scene.contact
         return coverage(self.membrane, self.cells, self.box, reach)
+
+    @cached_property
+    def layering(self) -> Layering:
+        """How the cells lie over each other and on the membrane."""
+        radius = self.scene.cells.radius
+        return layering(self.cells, self.below, len(self.membrane), self.box, radius)
+
+    @cached_property
+    def sheet(self) -> Sheet:
+        """How far the membrane is stretched."""
+        return sheet(self.membrane, self.triangles, self.box)
 
     @cached_property
     def height(self) -> Floats:

@@ -14,9 +14,10 @@ from lammps_skin.errors import SkinError
 
 MOMENTS = 7  # of a run that are shown
 SHOWN = (
-    "time", "stem", "ta", "exhausted", "nd", "births", "deaths", "coverage", "height_std",
-    "skewness", "papillae", "papilla_height", "stem_on_tips", "nd_on_tips", "chi_H", "zeta",
-    "sigma", "chi_H_nd", "zeta_nd", "sigma_nd",
+    "time", "stem", "ta", "exhausted", "nd", "births", "deaths", "coverage", "none_below",
+    "most_on_particle", "membrane_area", "height_std", "skewness", "papillae", "papilla_height",
+    "papilla_width_cells", "stem_on_tips", "nd_on_tips", "chi_H", "zeta", "sigma", "chi_H_nd",
+    "zeta_nd", "sigma_nd",
 )  # fmt: skip
 SPREADS = ("_low", "_high", "_sd", "_p")  # of what stands in a column of its own
 CLONES = 8
@@ -31,6 +32,7 @@ def stats(
     as_json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
 ) -> None:
     """Show the observables of a run: over time, averaged, with events and energies."""
+    from lammps_skin.analysis.basal_layer import last_remark
     from lammps_skin.analysis.summary import (  # MDAnalysis takes a second to import
         summary,
         without_nan,
@@ -60,6 +62,8 @@ def stats(
         tables.append((heads, _clones(found["events"])))
     if found["energies"]:
         tables.append((["energy", "first", "mean", "last"], _energies(found["energies"])))
+    if line := last_remark(found["observables"]):
+        console.print(line)
     for heads, rows in tables:
         print_table(heads, rows, right=True)
 

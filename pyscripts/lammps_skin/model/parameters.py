@@ -9,6 +9,8 @@ from typing import Any
 
 DEFAULT = "papilla"
 
+EARLIER_CELLS = {"division_spring": "length", "adhesion_stiffness": 5.0, "adhesion_range": 1.2}
+
 SETS: dict[str, dict[str, Any]] = {
     "printed": {},
     "papilla": {"cells": {"division_spring": "length", "adhesion_range": 1.2}},
@@ -17,11 +19,19 @@ SETS: dict[str, dict[str, Any]] = {
         "force_scale": "direct",
         "cells": {"division_spring": "length", "adhesion_stiffness": 5.0},
     },
+    "earlier": {"force_scale": "direct", "cells": EARLIER_CELLS},
+    "earlier-stiff": {
+        "force_scale": "direct",
+        "cells": EARLIER_CELLS,
+        "membrane": {"bending_stiffness": 10.0},
+    },
 }
 
 SUMMARIES = {
     "printed": "the paper's numbers with only the repairs that make them defined; runs away",
     "papilla": "printed, length spring, adhesion range 1.2 (the default)",
     "weak5": "printed, length spring, adhesion stiffness 5",
-    "direct5": "weak5 with direct forces, closest to the authors' older code",
+    "direct5": "weak5 with direct forces",
+    "earlier": "direct5, adhesion range 1.2: the mechanics of the authors' earlier program",
+    "earlier-stiff": "earlier, bending stiffness 10: that of later work of the authors' group",
 }
