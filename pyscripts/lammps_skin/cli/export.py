@@ -31,7 +31,7 @@ def export(
     ] = None,
 ) -> None:
     """Write the trajectory of a run for ParaView (--to vtk) or OVITO and LAMMPS (--to dump)."""
-    from lammps_skin.figures.export import export_dump, export_vtk  # VTK takes a second to load
+    from lammps_skin.figures.export import export_dump, export_vtk
 
     directory = run if run.is_dir() else run.parent
     with console.status("exporting"):

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as xml
-from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import pyvista
 
 from lammps_skin.analysis.curvature import curvature
 from lammps_skin.analysis.geometry import minimum_image
-from lammps_skin.arrays import Ints
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import SkinError
+from lammps_skin.figures.polydata import write_polydata, write_series
 from lammps_skin.files import completed
 from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model.scene import Scene
@@ -74,15 +72,24 @@ def export_vtk(run: str | Path, output: Path) -> list[Path]:
             surfaces = {"membrane": _membrane(frame, triangles), "cells": _cells(frame, scene)}
             for name, surface in surfaces.items():
                 file = f"{name}.{frame.step:010d}.vtp"
-                with completed(output / file) as place:
-                    surface.save(place)
+                write_polydata(output / file, *surface)
                 series[name].append((frame.time, file))
-        return [_write_series(output / f"{name}.pvd", files) for name, files in series.items()]
+        for name, files in series.items():
+            write_series(output / f"{name}.pvd", files)
     except OSError as error:
         raise SkinError(f"output {output}: {reason(error)}") from None
+    return [output / f"{name}.pvd" for name in series]
 
 
-def _membrane(frame: Frame, triangles: Ints) -> Any:
+class Surface(NamedTuple):
+    """Points (n, 3), their data (n,) each, and triangles (m, 3) of them, if there are any."""
+
+    points: Floats
+    data: dict[str, Floats | Ints]
+    triangles: Ints | None = None
+
+
+def _membrane(frame: Frame, triangles: Ints) -> Surface:
     """The membrane particles and the triangles that do not pass through a periodic edge."""
     is_membrane = frame.kinds == Kind.MEMBRANE
     ids, positions = frame.ids[is_membrane], frame.positions[is_membrane]
@@ -90,35 +97,22 @@ def _membrane(frame: Frame, triangles: Ints) -> Any:
     bent = curvature(positions, corners, (frame.edges[0], frame.edges[1]))
     sides = positions[corners] - positions[np.roll(corners, 1, axis=1)]
     inside = (sides == minimum_image(sides, tuple(frame.edges[:2]))).all(axis=(1, 2))
-    surface = pyvista.PolyData.from_regular_faces(positions, corners[inside])
-    surface["id"] = ids
-    surface["height"] = positions[:, 2]
-    surface["mean_curvature"] = bent.mean
-    surface["gaussian_curvature"] = bent.gaussian
-    return surface
+    data = {
+        "id": ids, "height": positions[:, 2], "mean_curvature": bent.mean,
+        "gaussian_curvature": bent.gaussian,
+    }  # fmt: skip
+    return Surface(positions, data, corners[inside])
 
 
-def _cells(frame: Frame, scene: Scene) -> Any:
+def _cells(frame: Frame, scene: Scene) -> Surface:
     """The cells as points."""
     is_cell = np.isin(frame.kinds, CELLS)
-    points = pyvista.PolyData(frame.positions[is_cell])
-    points["id"], points["kind"] = frame.ids[is_cell], frame.kinds[is_cell]
-    points["radius"] = np.full(is_cell.sum(), scene.cells.radius)
-    for name in CELL_DATA:
-        points[name] = frame.state[name][is_cell]
-    return points
-
-
-def _write_series(path: Path, files: Iterable[tuple[float, str]]) -> Path:
-    """A collection of files at times, in ParaView's format."""
-    root = xml.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    collection = xml.SubElement(root, "Collection")
-    for time, file in files:
-        xml.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=file)
-    xml.indent(root)
-    with completed(path) as place:
-        xml.ElementTree(root).write(place, encoding="utf-8", xml_declaration=True)
-    return path
+    data = {
+        "id": frame.ids[is_cell], "kind": frame.kinds[is_cell],
+        "radius": np.full(is_cell.sum(), scene.cells.radius),
+        **{name: frame.state[name][is_cell] for name in CELL_DATA},
+    }  # fmt: skip
+    return Surface(frame.positions[is_cell], data)
 
 
 # ---- LAMMPS, OVITO
