@@ -26,7 +26,7 @@ from lammps_skin.engine.engine import open_lammps
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.tables import Table, pair_grid
-from lammps_skin.model.terms import Terms, cell_kinds, stretch_table
+from lammps_skin.model.terms import Terms, stretch_table
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.build import ghost_cutoff
 from lammps_skin.start.configuration import Configuration
@@ -61,7 +61,7 @@ def stock(scene: Scene, configuration: Configuration, folder: Path) -> Any:
         table.write(folder / f"{table.keyword}.table")
     configuration.write_data(folder / "stock.data", scene.kinds)
     engine = open_lammps(["-log", str(folder / "log.stock")])
-    cells = " ".join(kind.label for kind in cell_kinds(scene))
+    cells = " ".join(kind.label for kind in scene.cell_kinds)
     points = len(stretch_table(scene).distances)
     properties = "i_a i_b i_c i_d d_e d_f d_g d_h"
     engine.commands_string(f"""

@@ -22,7 +22,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
-from lammps_skin.kinds import CELLS
+from lammps_skin.kinds import is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import lattice
@@ -51,7 +51,7 @@ def configuration_of(frame: Frame, scene: Scene) -> Configuration:
         box=np.array(scene.box_sides), kinds=frame.kinds, positions=frame.positions,
         links=links, hinges=hinges, time=frame.time,
     )  # fmt: skip
-    cells = np.isin(frame.kinds, CELLS)
+    cells = is_cell(frame.kinds)
     for name in ("divisions_left", "next_division", "birth_time"):
         getattr(state, name)[cells] = frame.state[name][cells]
     paired = np.flatnonzero(cells & (frame.state["pair"] > 0))
@@ -120,7 +120,7 @@ def main() -> None:
         spent = costs(scene, configuration_of(frame, scene), options.rounds)
         ages.append(frame.time)
         table.append([spent[name] for name in SPANS])
-        cells = int(np.isin(frame.kinds, CELLS).sum())
+        cells = int(is_cell(frame.kinds).sum())
         medians = " | ".join(f"{np.median(spent[name]):.3g}" for name in SPANS)
         print(f"| {frame.time:g} | {len(frame.ids)} | {cells} | {medians} |", flush=True)
 

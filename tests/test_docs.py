@@ -8,7 +8,7 @@ import re
 import tomllib
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin
 
 import numpy as np
 import pytest
@@ -16,6 +16,8 @@ from lammps_skin.cli import COMMANDS, application
 from lammps_skin.cli.options import scene_from
 from lammps_skin.model import parameters, potentials
 from lammps_skin.model.accuracy import LEVELS
+from lammps_skin.model.cell_kinds import CellKind
+from lammps_skin.model.parts import KindKeys
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
 from lammps_skin.model.terms import TERMS, Terms
@@ -97,7 +99,7 @@ def fields(model: type[BaseModel], prefix: str = "") -> dict[str, dict[str, Any]
     for name, field in model.model_fields.items():
         if inspect.isclass(field.annotation) and issubclass(field.annotation, BaseModel):
             found |= fields(field.annotation, f"{name}.")
-        else:
+        elif get_origin(field.annotation) is not dict:  # kinds of cells have a page of their own
             found[prefix + name] = schema[name]
     return found
 
@@ -105,7 +107,8 @@ def fields(model: type[BaseModel], prefix: str = "") -> dict[str, dict[str, Any]
 def allowed(schema: dict[str, Any]) -> str:
     """What a schema allows, in the words of the page."""
     if "anyOf" in schema:
-        return allowed(schema["anyOf"][0])
+        choices = [choice for choice in schema["anyOf"] if choice.get("type") != "null"]
+        return ", ".join(map(allowed, choices))
     if "enum" in schema:
         return ", ".join(f'`"{value}"`' for value in schema["enum"])
     if schema["type"] == "array":
@@ -118,7 +121,7 @@ def allowed(schema: dict[str, Any]) -> str:
     return ", ".join(whole + [limit for limit in limits if limit != f"<= {1e12}"])
 
 
-def value_of(scene: Scene, key: str) -> str:
+def value_of(scene: BaseModel, key: str) -> str:
     """Value of a dotted key, as the page writes it."""
     value: Any = scene
     for part in key.split("."):
@@ -132,6 +135,33 @@ def test_keys_of_a_scene() -> None:
     assert table == {
         key: [value_of(default, key), allowed(schema)] for key, schema in fields(Scene).items()
     }
+
+
+def test_keys_of_a_kind_of_cells() -> None:
+    table = {row[0].strip("`"): row[1:3] for row in rows(section("kinds.md", "Keys"))}
+    plain = KindKeys()
+    written = {"type": "string", "pattern": "#rrggbb"}
+    assert table == {
+        key: [
+            value_of(plain, key),
+            '`"#rrggbb"`' if written in schema["anyOf"] else allowed(schema),
+        ]
+        for key, schema in ((key, {"anyOf": [one], **one}) for key, one in fields(KindKeys).items())
+    }
+
+
+def test_rows_of_the_kinds_of_cells() -> None:
+    def words(row: CellKind) -> list[str]:
+        generations = "`cells.generations`" if row.generations == 10 else "-"
+        return [
+            f"`{row.label}`", str(int(row.kind)), f"`{row.adhesion}`",
+            "yes" if row.detaches else "no", f"`{row.daughter}`" if row.daughter else "-",
+            "endless" if row.daughter and row.generations is None else generations,
+            f"`{row.after_last}`" if row.after_last else "-",
+        ]  # fmt: skip
+
+    kinds = Scene.from_dict({}).cell_table.values()
+    assert rows(section("kinds.md", "The four rows")) == [words(row) for row in kinds]
 
 
 def test_levels_of_accuracy() -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lammps_skin.engine.engine import Cells
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms
 from lammps_skin.run.simulation import Simulation
@@ -46,7 +46,7 @@ def test_ta_cells_beyond_the_threshold_leave(lam: float, ranks: int, tmp_path: P
     left = {Kind.STEM: 10, Kind.TA: 2, Kind.EXHAUSTED: 0, Kind.ND: 0}
     spots = iter(spots_above_particles(scene, 4))
     cells = [
-        (kind, (x, y, HEIGHT + distance), left[kind]) for kind in CELLS for distance in distances
+        (kind, (x, y, HEIGHT + distance), left[kind]) for kind in left for distance in distances
         for x, y in [next(spots)]
     ]  # fmt: skip
     configuration = place(scene, cells)

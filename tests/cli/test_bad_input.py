@@ -41,7 +41,7 @@ SETTINGS = {
     "seed=0": "seed = 0: must be greater than or equal to 1",
     "seed=99999999999999999999": "seed = 99999999999999999999: must be less than or equal to",
     "cells.stem=-1": "cells.stem = -1: must be greater than or equal to 0",
-    "cells.generations=1001": "cells.generations = 1001: must be less than or equal to 1000",
+    "cells.generations=1001": "cells.generations = 1001: must be an integer from 0 to 1000, or",
     "cells.adhesion_range=1": "cells.adhesion_range = 1: must be greater than 1",
     "membrane.spacing_ratio=1": "membrane.spacing_ratio = 1: must be less than 1",
     "dermis.volume_fraction=2": "dermis.volume_fraction = 2: must be less than or equal to 1.5",

@@ -53,7 +53,6 @@ def test_keys_and_values(text, refused, tmp_path):
         (("stability", "demo", "--vary", "bendin"), "bending"),
         (("stability", "demo", "--methods", "eulr"), "euler"),
         (("snapshot", "nowhere", "--view", "sction"), "section"),
-        (("snapshot", "nowhere", "--show", "stm"), "stem"),
     ],
     ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )

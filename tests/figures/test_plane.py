@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from lammps_skin.figures.palette import COLOURS
 from lammps_skin.figures.plane import (
     draw_heights,
     draw_section,
@@ -65,8 +64,8 @@ def test_the_picture_of_a_section(landscape):
     axes = figure.add_subplot()
     draw_section(axes, moment, 5.0, (Kind.STEM, Kind.TA, Kind.ND))
     for x, z, colour in [
-        (4.0, 12.4, COLOURS[Kind.STEM]), (20.0, 12.4, COLOURS[Kind.ND]),
-        (12.0, 5.0, COLOURS[Kind.DERMAL]), (15.0, 7.0, (1, 1, 1)),
+        (4.0, 12.4, Kind.STEM.colour), (20.0, 12.4, Kind.ND.colour),
+        (12.0, 5.0, Kind.DERMAL.colour), (15.0, 7.0, (1, 1, 1)),
     ]:  # fmt: skip
         assert colour_at(axes, figure, x, z) == pytest.approx(colour, abs=0.01)
     assert colour_at(axes, figure, 9.0, 10.0).max() < 0.4
@@ -85,7 +84,7 @@ def test_the_map_of_heights(landscape):
     sides = np.array(moment.box)
     assert np.array([column, row]) / height.shape[::-1] * sides == pytest.approx([20, 8], abs=0.3)
     assert height.max() == pytest.approx(13, abs=0.05)
-    assert colour_at(axes, figure, 5.0, 25.0) == pytest.approx(COLOURS[Kind.STEM], abs=0.01)
+    assert colour_at(axes, figure, 5.0, 25.0) == pytest.approx(Kind.STEM.colour, abs=0.01)
 
 
 def test_the_highest_stem_cell(landscape):

@@ -10,8 +10,10 @@ from lammps_skin.figures.moments import last_time, read_moments
 from lammps_skin.figures.render import Camera, axes_of
 from lammps_skin.figures.scenery import ABOVE, AZIMUTH, cell_spheres, membrane_surface, view
 from lammps_skin.figures.snapshot import VIEWS, snapshot
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import KINDS, Kind, is_cell
 from lammps_skin.trajectory.universe import open_trajectory
+
+CELLS = tuple(kind for kind in KINDS if is_cell(kind))
 
 
 def green(image):
@@ -127,7 +129,8 @@ def test_every_view_makes_a_picture(run, tmp_path, name):
     ("options", "text"),
     [
         ({"view": "side"}, r"view = 'side': must be one of 3d, below, height, section, all"),
-        ({"show": ["stem", "fat"]}, r"show = 'stem,fat': must be some of stem, ta, nd"),
+        ({"show": ["stem", "fat"]}, r"show = 'stem,fat': must be some of stem, ta, exhausted, nd"),
+        ({"show": ["stm"]}, r"show = 'stm': .*; did you mean stem\?"),
         ({"show": []}, r"show = '': must be some of"),
         ({"view": "section", "y": 99.0}, r"y = 99: must be from 0 to L_y = 12\.\d+"),
         ({"path": "picture.jpeg2"}, r"picture\.jpeg2: its suffix must be one of .*png"),

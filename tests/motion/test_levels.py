@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 from lammps_skin.model.accuracy import LEVELS
-from lammps_skin.model.scene import Numerics, Scene
+from lammps_skin.model.parts import Numerics
+from lammps_skin.model.scene import Scene
 
 
 def numerics(**changes: Any) -> Numerics:

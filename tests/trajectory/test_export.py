@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from lammps_skin.analysis.curvature import curvature
 from lammps_skin.cli import main
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.start import lattice
 
 from tests.trajectory.conftest import FRAMES, INTERVAL
@@ -97,7 +97,7 @@ def test_cells_in_every_frame(run, exported):
         np.testing.assert_array_equal(points["Points"], told.positions)
         np.testing.assert_array_equal(points["id"], told.ids)
         np.testing.assert_array_equal(points["kind"], told.types)
-        assert set(points["kind"]) <= set(CELLS)
+        assert is_cell(points["kind"]).all()
         np.testing.assert_array_equal(points["faces"][:, 0], np.arange(len(told.ids)))
         assert (points["radius"] == run.scene.cells.radius).all()
         for name in ("divisions_left", "partner", "parent", "pair", "birth_time"):

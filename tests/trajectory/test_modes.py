@@ -17,7 +17,7 @@ import pytest
 from lammps_skin import open_trajectory
 from lammps_skin.analysis.series import CellCounts
 from lammps_skin.errors import SkinError
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import KINDS, Kind, is_cell
 from lammps_skin.trajectory.clones import clones
 from lammps_skin.trajectory.store import Store
 from MDAnalysis.analysis.align import AlignTraj
@@ -48,13 +48,13 @@ def universe(path):
 
 def counts(universe) -> list[tuple[float, ...]]:
     """Time, and the number of particles of each kind, in every frame."""
-    groups = [universe.select_atoms(f"type {kind.label}", updating=True) for kind in Kind]
+    groups = [universe.select_atoms(f"type {kind.label}", updating=True) for kind in KINDS]
     return [(float(ts.time), *map(len, groups)) for ts in universe.trajectory]
 
 
 def expected(run, frames: slice = slice(None)) -> list[tuple[float, ...]]:
     return [
-        (frame.time, *(int((frame.kinds == kind).sum()) for kind in Kind))
+        (frame.time, *(int((frame.kinds == kind).sum()) for kind in KINDS))
         for frame in run.frames[frames]
     ]
 
@@ -234,17 +234,20 @@ def test_slices_and_lists_of_frames(run, universe, frames):
 
 def test_names_masses_radii_and_clones(run, universe):
     scene = run.scene
-    radii = {Kind.MEMBRANE: scene.membrane.radius, **dict.fromkeys(CELLS, scene.cells.radius)}
+    radii = {
+        Kind.MEMBRANE: scene.membrane.radius,
+        **{kind: scene.cells.radius for kind in KINDS if is_cell(kind)},
+    }
     clone = clones(Store(run.driven / "skin.h5"))
     for ts, frame in zip(universe.trajectory, run.frames, strict=True):
         atoms = universe.atoms[frame.ids - 1]
-        labels = [Kind(number).label for number in frame.kinds]
+        labels = [KINDS[number - 1].label for number in frame.kinds]
         assert atoms.names.tolist() == atoms.types.tolist() == labels
-        np.testing.assert_array_equal(atoms.radii, [radii[Kind(n)] for n in frame.kinds])
+        np.testing.assert_array_equal(atoms.radii, [radii[n] for n in frame.kinds])
         assert (atoms.masses == 1).all() and atoms.total_mass() == len(frame.ids)
         centre = frame.positions.mean(axis=0)
         np.testing.assert_allclose(atoms.center_of_mass(), centre, rtol=1e-5)
-        cells = np.isin(frame.kinds, CELLS)
+        cells = is_cell(frame.kinds)
         np.testing.assert_array_equal(atoms.resids[cells], clone[frame.ids[cells] - 1])
         assert set(atoms.resnames[~cells]) == {"membrane"}
         assert ts.frame == universe.trajectory.frame
@@ -259,7 +262,7 @@ def test_clones_are_those_of_the_event_log(run):
         if row["kind"] == "birth":
             founder[int(row["id"])] = founder[int(row["parent"])]
     found = clones(Store(run.driven / "skin.h5"))
-    seen = {int(n) for frame in run.frames for n in frame.ids[np.isin(frame.kinds, CELLS)]}
+    seen = {int(n) for frame in run.frames for n in frame.ids[is_cell(frame.kinds)]}
     unseen = [n for n in seen if found[n - 1] not in founder.values()]
     assert not unseen and len(set(found[found > 0].tolist())) == 6
     assert all(found[n - 1] == founder[n] for n in seen)

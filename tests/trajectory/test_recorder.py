@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.errors import SkinError
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.trajectory import writer as writer_module
 from lammps_skin.trajectory.convert import convert
@@ -57,9 +57,9 @@ def test_every_frame_is_that_of_the_dump_and_of_lammps(run):
         np.testing.assert_array_equal(frame.ids, run.particles[n].ids)
         np.testing.assert_array_equal(frame.kinds, run.particles[n].types)
         np.testing.assert_array_equal(frame.positions, run.particles[n].positions)
-        is_cell = np.isin(frame.kinds, CELLS)
+        cells = is_cell(frame.kinds)
         for name in CELL_STATE:
-            np.testing.assert_array_equal(frame.state[name][is_cell], getattr(run.cells[n], name))
+            np.testing.assert_array_equal(frame.state[name][cells], getattr(run.cells[n], name))
 
 
 def test_the_file_is_the_converted_one(run):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from lammps_skin.cli import main
 from lammps_skin.errors import SkinError
-from lammps_skin.kinds import Kind
+from lammps_skin.kinds import KINDS
 from lammps_skin.model.scene import Scene
 from lammps_skin.start import lattice
 from lammps_skin.trajectory import writer
@@ -84,7 +84,7 @@ def test_metadata_make_the_scene_again(run, file):
     assert Scene.from_dict(keys).model_dump() == run.scene.model_dump()
     assert keys["cells"]["adhesion_range"] == 1.2  # resolved: of the parameter set
     assert parameters["seed"] == run.scene.cell_seed and parameters["parameters"] == "papilla"
-    assert dict(file["parameters/species"].attrs) == {kind.label: int(kind) for kind in Kind}
+    assert dict(file["parameters/species"].attrs) == {kind.label: int(kind) for kind in KINDS}
     versions = dict(file["parameters/versions"].attrs)
     assert {"python", "lammps-skin", "lammps", "numpy", "h5py"} <= versions.keys()
     assert versions.get("commit") == source_commit()

@@ -8,7 +8,7 @@ import numpy as np
 
 from lammps_skin.analysis.geometry import Box, periodic_tree
 from lammps_skin.arrays import Bools, Floats, Ints
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind
 
 
 def covered(membrane: Floats, cells: Floats, box: Box, reach: float) -> Bools:
@@ -50,7 +50,7 @@ def coverage(
     return float(np.average(covered(membrane, cells, box, reach), weights=area))
 
 
-def count_by_kind(kinds: Sequence[int] | Ints, of: Sequence[Kind] = CELLS) -> dict[Kind, int]:
+def count_by_kind(kinds: Sequence[int] | Ints, of: Sequence[Kind]) -> dict[Kind, int]:
     """Number of particles of each kind, 0 for a kind that does not occur."""
-    number = np.bincount(np.asarray(kinds, np.int64), minlength=max(Kind) + 1)
+    number = np.bincount(np.asarray(kinds, np.int64), minlength=max(of, default=0) + 1)
     return {kind: int(number[kind]) for kind in of}

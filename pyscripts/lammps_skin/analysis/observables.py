@@ -2,13 +2,13 @@
 
 The columns (see docs/analysis.md): numbers of cells, what has happened to them, how much of the
 membrane they cover and whether in one layer, its height, its papillae, the cells on their tips,
-the order parameters of stem and of ND cells. What is not defined in a frame is NaN.
+the order parameters of stem cells, of ND cells, and of kinds that the scene adds. What is not defined in a frame is NaN.
 """
 
 from __future__ import annotations
 
 import gzip
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,7 +21,7 @@ from lammps_skin.analysis.lineage import Events, read_events
 from lammps_skin.analysis.state import State, StateAnalysis, scene_and_triangles
 from lammps_skin.errors import MembraneError, SkinError
 from lammps_skin.files import completed
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import KINDS, Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.universe import open_trajectory
 
@@ -34,24 +34,42 @@ LAYER = (
     "none_below", "cells_below", "most_on_particle", "particles_holding", "membrane_area",
     "cell_area", "long_link",
 )  # fmt: skip
-FRACTIONS = (
-    "coverage", "none_below", "particles_holding", "stem_on_tips", "stem_tips_expected",
-    "nd_on_tips", "nd_tips_expected",
+RELIEF = (
+    "skewness", "skewness_low", "skewness_high",
+    "papillae", "papilla_height", "papilla_width", "papilla_spacing", "papilla_width_cells",
 )  # fmt: skip
-COLUMNS = (
-    "time", *(kind.label for kind in CELLS), "births", "deaths", "coverage", *LAYER,
-    "height", "height_std", "skewness", "skewness_low", "skewness_high",
-    "papillae", "papilla_height", "papilla_width", "papilla_spacing",
-    "papilla_width_cells",
-    *(f"{kind}_{name}" for kind in ("stem", "nd") for name in TIPS),
-    *ORDERS, *(f"{name}_nd" for name in ORDERS),
-)  # fmt: skip
+FRACTIONS = ("coverage", "none_below", "particles_holding")
+
+
+def columns(cells: Sequence[Kind]) -> tuple[str, ...]:
+    """Columns of the table of a scene that has these kinds of cells."""
+    placed = placed_kinds(cells)
+    return (
+        "time", *(kind.label for kind in cells), "births", "deaths", "coverage",
+        *LAYER, "height", "height_std", *RELIEF,
+        *(f"{kind.label}_{name}" for kind in placed for name in TIPS),
+        *ORDERS, *(f"{name}_{kind.label}" for kind in placed[1:] for name in ORDERS),
+    )  # fmt: skip
+
+
+def placed_kinds(cells: Sequence[Kind]) -> tuple[Kind, ...]:
+    """Kinds whose places are told of: stem and ND cells, and those that the scene adds."""
+    return tuple(kind for kind in cells if kind not in (Kind.TA, Kind.EXHAUSTED))
+
+
+COLUMNS = columns([kind for kind in KINDS if is_cell(kind)])
+"""Columns of the table of a scene without kinds of its own."""
+
+
+def is_fraction(column: str) -> bool:
+    """Whether the values of a column are from 0 to 1."""
+    return column in FRACTIONS or column.endswith(("_on_tips", "_tips_expected"))
 
 
 class Observables(StateAnalysis):
     """All columns of the table, for the frames of a trajectory.
 
-    ``results.table`` (f,) is a structured array with the fields `COLUMNS`, all float64;
+    ``results.table`` (f,) is a structured array with the fields `columns`, all float64;
     ``results`` also has each column (f,) by its name.
 
     Parameters
@@ -72,24 +90,26 @@ class Observables(StateAnalysis):
 
     def __init__(self, universe: Any, events: Events | None = None, **options: Any) -> None:
         super().__init__(universe, **options)
+        self.columns = columns(self.scene.kinds_of_cells)[1:]
         self._logged = [events.of(kind).time for kind in ("birth", "death")] if events else []
 
     def _measure(self, state: State) -> tuple[float, ...]:
         until = state.time * (1 + 1e-9)  # times in the log have ten digits
         happened = [np.searchsorted(times, until, side="right") for times in self._logged]
         z = state.membrane[:, 2]
+        cells = state.scene.kinds_of_cells
         return (
-            *count_by_kind(state.kinds).values(),
+            *count_by_kind(state.kinds, cells).values(),
             *(happened or (np.nan, np.nan)),
             state.coverage, *_layer(state),
             z.mean(), (z - z[0]).std(), *_relief(state),  # 0 of what is flat
-            *state.order(Kind.STEM), *state.order(Kind.ND),
+            *(value for kind in placed_kinds(cells) for value in state.order(kind)),
         )  # fmt: skip
 
     def _conclude(self) -> None:
         super()._conclude()
         rows = [tuple(map(float, row)) for row in self._rows]
-        self.results.table = np.array(rows, [(name, float) for name in COLUMNS])
+        self.results.table = np.array(rows, [(name, float) for name in ("time", *self.columns)])
 
 
 def _layer(state: State) -> tuple[float, ...]:
@@ -102,16 +122,17 @@ def _layer(state: State) -> tuple[float, ...]:
 
 def _relief(state: State) -> tuple[float, ...]:
     """Columns from the skewness to the tips; NaN where the membrane is no sheet over the box."""
+    placed = placed_kinds(state.scene.kinds_of_cells)
     diameter = 2 * state.scene.cells.radius
     try:
         height, width, spacing = state.papilla_means()
         return (
             *state.skewness(), len(state.papillae.height), height, width, spacing,
             width / diameter,
-            *state.tips(Kind.STEM), *state.tips(Kind.ND),
+            *(value for kind in placed for value in state.tips(kind)),
         )  # fmt: skip
     except MembraneError:
-        return (np.nan,) * (COLUMNS.index(f"nd_{TIPS[-1]}") - COLUMNS.index("skewness") + 1)
+        return (np.nan,) * (len(RELIEF) + len(placed) * len(TIPS))
 
 
 # ---- runs on disk

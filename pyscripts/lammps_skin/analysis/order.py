@@ -1,4 +1,4 @@
-"""Where stem or ND cells stand: chi_H, chi_G, zeta and sigma (section 8 of the model)."""
+"""Where cells of a kind stand: chi_H, chi_G, zeta and sigma (section 8 of the model)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lammps_skin.kinds import Kind
 
 
 class Order(NamedTuple):
-    """Order parameters of the stem or ND cells in one frame.
+    """Order parameters of the cells of one kind in one frame.
 
     Attributes
     ----------
@@ -56,7 +56,6 @@ def order(
     cell_radius : float
         R_c.
     of : Kind
-        STEM or ND.
 
     Returns
     -------

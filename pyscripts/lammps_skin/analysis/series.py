@@ -19,8 +19,8 @@ from lammps_skin.analysis.coverage import count_by_kind
 from lammps_skin.analysis.curvature import curvature
 from lammps_skin.analysis.lineage import Events, founder_of, mixing
 from lammps_skin.analysis.spectrum import height_spectrum
-from lammps_skin.analysis.state import TA_KINDS, State, StateAnalysis
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.analysis.state import State, StateAnalysis
+from lammps_skin.kinds import KINDS, Kind, is_cell
 
 
 class MembraneCurvature(StateAnalysis):
@@ -46,7 +46,6 @@ class OrderParameters(StateAnalysis):
     ----------
     universe : Universe
     of : Kind
-        STEM or ND.
     """
 
     columns = ("chi_H", "chi_G", "zeta", "sigma")
@@ -69,12 +68,19 @@ class Coverage(StateAnalysis):
 
 
 class CellCounts(StateAnalysis):
-    """``results.stem``, ``ta``, ``exhausted``, ``nd`` (f,): numbers of living cells."""
+    """``results.stem``, ``ta``, ``exhausted``, ``nd`` (f,): numbers of living cells.
 
-    columns = tuple(kind.label for kind in CELLS)
+    Kinds that the scene adds have theirs by their labels.
+    """
+
+    columns = tuple(kind.label for kind in KINDS if is_cell(kind))
+
+    def __init__(self, universe: Any, **options: Any) -> None:
+        super().__init__(universe, **options)
+        self.columns = tuple(kind.label for kind in self.scene.kinds_of_cells)
 
     def _measure(self, state: State) -> tuple[Any, ...]:
-        return tuple(count_by_kind(state.kinds).values())
+        return tuple(count_by_kind(state.kinds, state.scene.kinds_of_cells).values())
 
 
 class HeightSpectrum(StateAnalysis):
@@ -126,9 +132,9 @@ class TipOccupancy(StateAnalysis):
     ----------
     universe : Universe
     of : Kind
-        STEM or ND.
-    others : sequence of Kind
-        Kinds that stand for no preference; TA cells with or without divisions left.
+    others : sequence of Kind, optional
+        Kinds that stand for no preference; all others that may detach if not given, which are
+        TA cells with or without divisions left unless the scene has kinds of its own.
     """
 
     columns = ("fraction", "expected", "sd", "z", "p_value")
@@ -137,11 +143,11 @@ class TipOccupancy(StateAnalysis):
         self,
         universe: Any,
         of: Kind = Kind.STEM,
-        others: Sequence[Kind] = TA_KINDS,
+        others: Sequence[Kind] | None = None,
         **options: Any,
     ) -> None:
         super().__init__(universe, **options)
-        self._of, self._others = of, tuple(others)
+        self._of, self._others = of, others
 
     def _measure(self, state: State) -> tuple[Any, ...]:
         return state.tips(self._of, self._others)

@@ -29,7 +29,7 @@ from lammps_skin.analysis.papillae import (
 from lammps_skin.analysis.surface import height_field, smooth
 from lammps_skin.arrays import Bools, Floats, Ints
 from lammps_skin.errors import SkinError
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 
 with warnings.catch_warnings():
@@ -37,7 +37,6 @@ with warnings.catch_warnings():
     from MDAnalysis.analysis.base import AnalysisBase
     from MDAnalysis.analysis.results import ResultsGroup
 
-TA_KINDS = (Kind.TA, Kind.EXHAUSTED)
 BLOCK = 10.0  # side of the blocks of a height field that count as independent, length
 RESAMPLES = 500
 
@@ -136,8 +135,14 @@ class State:
         per_side = max(round(float(self.box.min()) / BLOCK), 1)
         return skewness(blocks(self.height, per_side), resamples=RESAMPLES)
 
-    def tips(self, of: Kind = Kind.STEM, others: Sequence[Kind] = TA_KINDS) -> TipFraction:
-        """Fraction of the cells of a kind on tips against that of others; NaN without papillae."""
+    def tips(self, of: Kind = Kind.STEM, others: Sequence[Kind] | None = None) -> TipFraction:
+        """Fraction of the cells of a kind on tips against that of others; NaN without papillae.
+
+        The others are those of all other kinds that may detach, if not given.
+        """
+        if others is None:
+            table = self.scene.cell_table.values()
+            others = [row.kind for row in table if row.detaches and row.kind != of]
         if not len(self.papillae.height):
             return TipFraction(*[np.nan] * 5)
         mine, theirs = self.kinds == of, np.isin(self.kinds, others)
@@ -215,7 +220,7 @@ class StateAnalysis(AnalysisBase, ABC):  # type: ignore[misc]
 
     def _state(self, timestep: Any) -> State:
         data, positions = timestep.data, timestep.data["position"]
-        cells = np.flatnonzero(np.isin(data["species"], CELLS))
+        cells = np.flatnonzero(is_cell(data["species"]))
         box = np.array(data["edges"][:2])
         membrane = positions[self._members]
         places = positions[cells]

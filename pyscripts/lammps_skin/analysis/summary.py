@@ -11,13 +11,12 @@ import numpy as np
 
 from lammps_skin.analysis.energies import read_energies
 from lammps_skin.analysis.lineage import Events, clone_sizes, turnover
-from lammps_skin.analysis.observables import FRACTIONS, Observables, Run, Table, open_run
+from lammps_skin.analysis.observables import Observables, Run, Table, is_fraction, open_run
 from lammps_skin.analysis.series import CloneMixing
 from lammps_skin.analysis.state import State, StateAnalysis
 from lammps_skin.analysis.statistics import mean_in_time
 from lammps_skin.arrays import Ints
 from lammps_skin.errors import SkinError
-from lammps_skin.kinds import Kind
 
 LATE = 0.6  # of the time that a trajectory covers: where its late window begins
 CUMULATIVE = ("time", "births", "deaths")
@@ -79,7 +78,7 @@ def summary(path: str | Path, window: Window | None = None) -> dict[str, Any]:
             "end": float(end),
             "frames": int(inside.sum()),
             "means": {
-                name: mean_in_time(table[name][inside], fraction=name in FRACTIONS)._asdict()
+                name: mean_in_time(table[name][inside], fraction=is_fraction(name))._asdict()
                 for name in table.dtype.names or ()
                 if name not in CUMULATIVE
             },
@@ -120,7 +119,7 @@ def _events(run: Run, events: Events, window: Window) -> dict[str, Any]:
     births, deaths = events.of("birth"), events.of("death")
     try:
         mixing = CloneMixing(run.universe, events).run(start=last).results.mixing
-        clones = [] if start else _clones(events, founders, kinds, end)
+        clones = [] if start else _clones(run, events, founders, kinds, end)
     except ValueError as error:
         raise SkinError(f"events.csv does not go with the trajectory: {error}") from None
     return {
@@ -135,13 +134,15 @@ def _events(run: Run, events: Events, window: Window) -> dict[str, Any]:
     }
 
 
-def _clones(events: Events, founders: Ints, kinds: Ints, end: float) -> list[dict[str, Any]]:
+def _clones(
+    run: Run, events: Events, founders: Ints, kinds: Ints, end: float
+) -> list[dict[str, Any]]:
     """Founder, births, removals and size at the end of each clone, the largest first."""
     happened = turnover(events, founders, [0.0, max(end, 1.0)])
     sizes = clone_sizes(events, founders, [end])[0]
     columns = {
         "founder": founders.tolist(),
-        "kind": [Kind(kind).label for kind in kinds.tolist()],
+        "kind": [run.scene.kind(number).label for number in kinds.tolist()],
         "births": happened.births[0].tolist(),
         "removals": happened.removals[0].tolist(),
         "size": sizes.tolist(),

@@ -17,7 +17,7 @@ from lammps_skin.cli.options import (
     scene_from,
 )
 from lammps_skin.cli.output import console
-from lammps_skin.kinds import Kind
+from lammps_skin.model.scene import Scene
 from lammps_skin.run.hold import Hold
 from lammps_skin.start.build import build as build_scene
 from lammps_skin.start.configuration import Configuration
@@ -38,13 +38,14 @@ def build(
     with Hold(output, make=True), console.status("building"):
         keep_results(output, "its inputs belong to them; give another")
         configuration = build_scene(described, output)
-    console.print(f"{described.name}: {particles(configuration)}; box {sides(configuration)}")
+    counts = particles(described, configuration)
+    console.print(f"{described.name}: {counts}; box {sides(configuration)}")
     console.print(f"built in {output}; run it there with: lmp -in skin.in")
 
 
-def particles(configuration: Configuration) -> str:
+def particles(scene: Scene, configuration: Configuration) -> str:
     """Numbers of particles by kind."""
-    counts = [(int((configuration.kinds == kind).sum()), kind.label) for kind in Kind]
+    counts = [(int((configuration.kinds == kind).sum()), kind.label) for kind in scene.kinds]
     return ", ".join(f"{count} {label}" for count, label in counts if count)
 
 

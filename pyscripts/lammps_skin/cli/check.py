@@ -49,9 +49,11 @@ def check(
     place_cells(described)
     console.print(one_line(f"{described.name}: {described.description}").rstrip(": "))
     for title, rows in {
-        "part": _parts, "term": _terms, "size": _sizes, "numerics": _numerics,
+        "part": _parts, "kind of cells": _kinds, "term": _terms, "size": _sizes,
+        "numerics": _numerics,
     }.items():  # fmt: skip
-        print_table([title, "", ""], rows(described), whole=[0], fold=True)
+        if lines := list(rows(described)):
+            print_table([title, "", ""], lines, whole=[0], fold=True)
     for remark in remarks(described):
         console.print(remark)
     with console.status("measuring"):
@@ -68,7 +70,7 @@ def _parts(scene: Scene) -> Iterator[tuple[str, ...]]:
     parts = {
         "dermis": (scene.dermis.present, "dermis.present"),
         "membrane": (True, ""),
-        "stem and TA cells, births, removals": (cells.stem > 0, "cells.stem"),
+        "stem and TA cells, births, removals": (scene.divides, "cells.stem"),
         "non-dividing cells": (cells.nd > 0, "cells.nd"),
         "trajectory": (scene.output.dump_interval > 0, "output.dump_interval"),
         "restart files": (scene.output.checkpoint_interval > 0, "output.checkpoint_interval"),
@@ -81,8 +83,14 @@ def _terms(scene: Scene) -> Iterator[tuple[str, ...]]:
     dermis, membrane, cells = scene.dermis, scene.membrane, scene.cells
     without_dermis = "" if dermis.present else "no dermis"
     without_cells = "" if scene.has_cells else "no cells"
-    without_stem = "" if cells.stem else "no stem cells"
-    terms = {
+    without_division = "" if scene.divides else "no stem cells"
+    attached = {
+        adhesion: [row.stiffness for row in scene.cell_kinds if row.adhesion == adhesion]
+        for adhesion in ("adhesive", "bound")
+    }
+    without_adhesion = "" if attached["adhesive"] else without_division or "no adhesive cells"
+    without_binding = without_cells or ("" if attached["bound"] else "no bound cells")
+    terms: dict[str, tuple[float | list[float], str]] = {
         "dermis_dermis": (dermis.stiffness, without_dermis),
         "dermis_membrane": (dermis.membrane_stiffness, without_dermis),
         "wall": (dermis.wall_stiffness, without_dermis),
@@ -90,24 +98,48 @@ def _terms(scene: Scene) -> Iterator[tuple[str, ...]]:
         "bend": (membrane.bending_stiffness, ""),
         "membrane_exclusion": (membrane.exclusion_stiffness, ""),
         "cell_membrane_exclusion": (cells.membrane_exclusion_stiffness, without_cells),
-        "adhesion": (cells.adhesion_stiffness, without_stem),
-        "binding": (cells.binding_stiffness, without_cells),
+        "adhesion": (attached["adhesive"], without_adhesion),
+        "binding": (attached["bound"], without_binding),
         "cell_cell_exclusion": (cells.exclusion_stiffness, without_cells),
         "cell_cell_adhesion": (cells.cell_adhesion_stiffness, without_cells),
-        "division": (cells.division_stiffness, without_stem),
+        "division": (cells.division_stiffness, without_division),
     }
     for name in TERMS:
-        stiffness, missing = terms[name]
-        why = missing or ("" if stiffness else "its K is 0")
-        yield name, "off" if why else "on", why or f"K = {stiffness:g}"
+        given, missing = terms[name]
+        stiffnesses = sorted({*given} if isinstance(given, list) else {given})
+        why = missing or ("" if any(stiffnesses) else "its K is 0")
+        told = ", ".join(f"{stiffness:g}" for stiffness in stiffnesses)
+        yield name, "off" if why else "on", why or f"K = {told}"
+
+
+def _kinds(scene: Scene) -> Iterator[tuple[str, ...]]:
+    """What the kinds of cells do, of a scene that says something of them."""
+    for row in scene.cell_kinds if scene.cells.kinds else ():
+        attached = {
+            "bound": f"bound, K = {row.stiffness:g}",
+            "adhesive": f"adhesive, K = {row.stiffness:g}, range {row.range:g}",
+            "none": "no adhesion",
+        }[row.adhesion]
+        paired = f", K = {row.paired_stiffness:g} in a pair with {row.paired_with}"
+        leaves = f", detaches beyond {row.range:g}" if row.detaches else ""
+        if row.daughter is None:
+            divides = "never divides"
+        elif row.generations is None:
+            divides = f"divides every {row.cycle:.4g} into itself and {row.daughter}"
+        else:
+            divides = (
+                f"divides {row.generations} times, every {row.cycle:.4g}, into itself and "
+                f"{row.daughter}, then is {row.after_last}"
+            )
+        yield row.label, f"{attached}{paired if row.paired_with else ''}{leaves}", divides
 
 
 def _sizes(scene: Scene) -> Iterator[tuple[str, ...]]:
     membrane, dermal, _ = memory.particle_counts(scene)
-    counts = {
-        Kind.DERMAL: dermal, Kind.MEMBRANE: membrane, Kind.STEM: scene.cells.stem,
-        Kind.ND: scene.cells.nd,
-    }  # fmt: skip
+    counts = {Kind.DERMAL: dermal, Kind.MEMBRANE: membrane}
+    for row in scene.cell_table.values():
+        if row.count or row.kind not in (Kind.TA, Kind.EXHAUSTED):
+            counts[row.kind] = row.count
     for kind, count in counts.items():
         yield f"{kind.label} particles", f"{count:,}"
     yield "links", f"{3 * membrane:,}"

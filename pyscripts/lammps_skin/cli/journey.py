@@ -6,15 +6,12 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
 from lammps_skin.analysis.coverage import count_by_kind, coverage
 from lammps_skin.cli.progress import Progress
 from lammps_skin.engine.engine import Motion
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.run.simulation import Simulation
 
-NAMES = {Kind.STEM: "stem", Kind.TA: "TA", Kind.EXHAUSTED: "exhausted", Kind.ND: "ND"}
 # fractions of the particles that move beyond the neighbor lists: what is told of, and what is too
 # much. With the level "fast", whose ensembles are compared in docs/accuracy.md, it is 0.0017
 NOTEWORTHY, TOO_MUCH = 1e-4, 5e-3
@@ -70,14 +67,14 @@ class Journey:
         """Cells by kind; births from the next id, since they are given in turn and never again."""
         cells = self._simulation.cells()
         self.time = time
-        self.counts = count_by_kind(cells.types)
+        self.counts = count_by_kind(cells.types, self._simulation.scene.kinds_of_cells)
         self.births = self._simulation.next_id() - self._first_id
         self.removals = self._first_cells + self.births - len(cells.ids)
 
     def _covered(self) -> float | None:
         """Share of the membrane particles that are within reach of a cell's adhesion."""
         scene, state = self._simulation.scene, self._simulation.forces()
-        cells = state.positions[np.isin(state.types, CELLS)]
+        cells = state.positions[is_cell(state.types)]
         if not len(cells):
             return None
         membrane = state.positions[state.types == Kind.MEMBRANE]
@@ -86,7 +83,7 @@ class Journey:
 
     def living(self) -> str:
         """Numbers of living cells by kind."""
-        cells = (f"{self.counts[kind]} {name}" for kind, name in NAMES.items() if self.counts[kind])
+        cells = (f"{count} {kind.name}" for kind, count in self.counts.items() if count)
         return ", ".join(cells) or "no cells"
 
     def lines(self, log: Path) -> Iterator[str]:

@@ -18,7 +18,10 @@ def snapshot(
         float | None, typer.Option("--time", help="Of the frame [default: the last].")
     ] = None,
     view: Annotated[str, typer.Option(help="3d, below, height, section or all.")] = "3d",
-    show: Annotated[str, typer.Option(help="Cells to draw: some of stem,ta,nd.")] = "stem,ta,nd",
+    show: Annotated[
+        str | None,
+        typer.Option(help="Kinds of cells to draw, such as stem,ta,nd [default: all]."),
+    ] = None,
     y: Annotated[
         float | None,
         typer.Option("--y", help="Of the section [default: through the highest stem cell]."),
@@ -36,6 +39,6 @@ def snapshot(
     at = "last" if shown is None else f"t{shown:g}"
     folder = run if run.is_dir() else run.parent
     path = output or folder / f"snapshot-{view}-{at}.png"
-    words = [word.strip().lower() for word in show.split(",") if word.strip()]
+    words = show and [word.strip().lower() for word in show.split(",") if word.strip()]
     nearest = "" if shown == time else f": the frame at t = {shown:g}"
     console.print(f"{pictures.snapshot(run, shown, path, view, words, y)}{nearest}")

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_skin.errors import SceneError, reading
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 
 SCENE_FILE = "scene.toml"
@@ -67,7 +67,7 @@ def check_data(path: Path, kinds: Sequence[Kind]) -> None:
                         f"data file {path}: {axis} = {place:g} of atom {words[0]} must be within "
                         f"{FURTHEST:g} times the box of {side:g}; build the scene again"
                     )
-        has_state = any(section(path, "state")) or not set(CELLS) & set(kinds)
+        has_state = any(section(path, "state")) or not any(map(is_cell, kinds))
         is_whole = 0 < sum(1 for _ in section(path, "Dihedrals")) == _count(path, "dihedrals")
     except (OSError, ValueError):
         return

@@ -15,7 +15,7 @@ import numpy as np
 
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import SimulationError
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.terms import FIX_TERMS, TERMS
 from lammps_skin.plugin import folder
 
@@ -275,7 +275,7 @@ class Engine:
     def cells(self) -> Cells:
         """State of all living cells."""
         ids, types, order = self._identities()
-        keep = np.isin(types, CELLS)
+        keep = is_cell(types)
         ids, types, order = ids[keep], types[keep], order[keep]
         positions = self._gather("x", 1, 3)[order]
         if not len(ids):

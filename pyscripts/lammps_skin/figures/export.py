@@ -13,7 +13,7 @@ from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import SkinError
 from lammps_skin.figures.polydata import write_polydata, write_series
 from lammps_skin.files import completed
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.dump import Dump, write_dump
 from lammps_skin.trajectory.frame import Frame
@@ -106,13 +106,13 @@ def _membrane(frame: Frame, triangles: Ints) -> Surface:
 
 def _cells(frame: Frame, scene: Scene) -> Surface:
     """The cells as points."""
-    is_cell = np.isin(frame.kinds, CELLS)
+    cells = is_cell(frame.kinds)
     data = {
-        "id": frame.ids[is_cell], "kind": frame.kinds[is_cell],
-        "radius": np.full(is_cell.sum(), scene.cells.radius),
-        **{name: frame.state[name][is_cell] for name in CELL_DATA},
+        "id": frame.ids[cells], "kind": frame.kinds[cells],
+        "radius": np.full(cells.sum(), scene.cells.radius),
+        **{name: frame.state[name][cells] for name in CELL_DATA},
     }  # fmt: skip
-    return Surface(frame.positions[is_cell], data)
+    return Surface(frame.positions[cells], data)
 
 
 # ---- LAMMPS, OVITO

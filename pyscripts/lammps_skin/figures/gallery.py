@@ -8,8 +8,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from lammps_skin.figures.moments import last_time, read_moments
-from lammps_skin.figures.snapshot import draw_view, kinds_of, legend
-from lammps_skin.kinds import CELLS
+from lammps_skin.figures.snapshot import draw_view, legend
+from lammps_skin.kinds import Kind
 from lammps_skin.style import plain
 
 WIDTH = 600  # of a panel, pixels
@@ -23,17 +23,18 @@ def draw_run(run: Path) -> Figure:
     moments = read_moments(run, [part * end for part in PARTS_OF_THE_TIME])
     figure = Figure(figsize=(4.5 * len(moments), 8.2), layout="constrained")
     panels = figure.subplots(2, len(moments))
-    for row, kinds in zip(panels, (kinds_of(["stem"]), CELLS), strict=True):
+    cells = moments[-1].scene.kinds_of_cells
+    for row, kinds in zip(panels, ((Kind.STEM,), cells), strict=True):
         for axes, moment in zip(row, moments, strict=True):
             draw_view(axes, moment, kinds, WIDTH)
-    legend(figure, moments[-1], CELLS)
+    legend(figure, moments[-1], cells)
     return figure
 
 
 @plain
 def draw_scenes(runs: Mapping[str, Path]) -> Figure:
     """Several runs at their start and, below, at their end: stem and ND cells."""
-    kinds = kinds_of(["stem", "nd"])
+    kinds = Kind.STEM, Kind.ND
     figure = Figure(figsize=(4.5 * len(runs), 8.2), layout="constrained")
     panels = figure.subplots(2, len(runs), squeeze=False)
     for column, (label, run) in zip(panels.T, runs.items(), strict=True):

@@ -14,8 +14,7 @@ from lammps_skin.analysis.geometry import minimum_image, wrapped
 from lammps_skin.analysis.surface import height_field
 from lammps_skin.arrays import Floats
 from lammps_skin.figures.moments import Moment
-from lammps_skin.figures.palette import COLOURS
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind
 
 NODES_PER_SPACING = 2
 
@@ -30,8 +29,7 @@ def draw_heights(axes: Axes, moment: Moment, show: Sequence[Kind]) -> ScalarMapp
     )
     for kind in show:
         x, y, _ = wrapped(moment.of(kind), moment.box).T
-        colour = COLOURS[kind]
-        axes.scatter(x, y, s=45, color=[colour], edgecolors="black", linewidths=0.8)
+        axes.scatter(x, y, s=45, color=[kind.colour], edgecolors="black", linewidths=0.8)
     axes.set(xlim=(0, lx), ylim=(0, ly), xlabel="x", ylabel="y")
     return image
 
@@ -74,10 +72,10 @@ def draw_section(axes: Axes, moment: Moment, y: float, show: Sequence[Kind]) -> 
         circles = [Circle((x, z), r) for (x, z), r in zip(centers, radii, strict=True)]
         edge = "0.6" if kind == Kind.DERMAL else "black"
         axes.add_collection(
-            PatchCollection(circles, facecolor=COLOURS[kind], edgecolor=edge, linewidth=0.4)
+            PatchCollection(circles, facecolor=kind.colour, edgecolor=edge, linewidth=0.4)
         )
     axes.add_collection(LineCollection(list(section_lines(moment, y)), colors="0.1", linewidths=2))
-    top = moment.of(Kind.MEMBRANE, *CELLS)[:, 2].max() + 2 * moment.scene.cells.radius
+    top = moment.positions[moment.kinds != Kind.DERMAL, 2].max() + 2 * moment.scene.cells.radius
     bottom = 0.0 if moment.scene.dermis.present else moment.membrane[:, 2].min() - 2
     axes.set(xlim=(0, moment.box[0]), ylim=(bottom, top), aspect="equal", xlabel="x", ylabel="z")
     axes.set_title(f"section at y = {y:.4g}")

@@ -9,7 +9,6 @@ import numpy as np
 from lammps_skin.analysis.geometry import minimum_image, wrapped
 from lammps_skin.arrays import Floats
 from lammps_skin.figures.moments import Moment
-from lammps_skin.figures.palette import COLOURS, SKIN
 from lammps_skin.figures.render import Spheres, Surface, picture
 from lammps_skin.kinds import Kind
 
@@ -34,14 +33,15 @@ def membrane_surface(moment: Moment) -> Surface:
         inside = ((image.max(axis=1) > 0) & (image.min(axis=1) < sides))[:, :2].all(axis=1)
         corners.append(np.clip(image[inside], [0, 0, -np.inf], sides))
         of.append(normals[triangles[inside]])
-    return Surface(np.concatenate(corners), np.concatenate(of), np.array(SKIN))
+    return Surface(np.concatenate(corners), np.concatenate(of), np.array(Kind.MEMBRANE.colour))
 
 
 def cell_spheres(moment: Moment, show: Sequence[Kind]) -> Spheres:
     """The cells of some kinds in one box, at their radius R_c."""
     chosen = np.isin(moment.kinds, show)
     centers = wrapped(moment.positions[chosen], moment.box)
-    colours = np.array([COLOURS[Kind(kind)] for kind in moment.kinds[chosen]]).reshape(-1, 3)
+    kinds = moment.kinds[chosen].tolist()
+    colours = np.array([moment.scene.kind(kind).colour for kind in kinds]).reshape(-1, 3)
     return Spheres(centers, np.full(len(centers), moment.scene.cells.radius), colours)
 
 

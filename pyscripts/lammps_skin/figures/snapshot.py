@@ -12,27 +12,36 @@ from matplotlib.patches import Patch
 
 from lammps_skin.errors import FigureError
 from lammps_skin.figures.moments import Moment, Source, read_moments
-from lammps_skin.figures.palette import COLOURS, NAMES
 from lammps_skin.figures.plane import draw_heights, draw_section, highest_stem
 from lammps_skin.figures.scenery import view
 from lammps_skin.files import completed
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind
 from lammps_skin.model.keys import near
+from lammps_skin.model.scene import Scene
 from lammps_skin.style import plain
 
-SHOWN = {"stem": (Kind.STEM,), "ta": (Kind.TA, Kind.EXHAUSTED), "nd": (Kind.ND,)}
+NAMES = {Kind.EXHAUSTED: "TA, exhausted"}  # in a legend, of kinds with another name than theirs
 DOTS_PER_INCH = 100
 WIDTH = 750  # of a picture in three dimensions, pixels
-BOUND = (Kind.STEM, Kind.ND)  # the cells on a map of heights
 
 
-def kinds_of(show: Sequence[str]) -> tuple[Kind, ...]:
-    """Kinds of cells by the words of `SHOWN`."""
-    unknown = [word for word in show if word not in SHOWN]
+def kinds_of(scene: Scene, show: Sequence[str] | None) -> tuple[Kind, ...]:
+    """Kinds of cells of a scene by their labels; "ta" are the exhausted, too; None is all."""
+    labels = [kind.label for kind in scene.kinds_of_cells]
+    show = labels if show is None else show
+    unknown = [word for word in show if word not in labels]
     if unknown or not show:
-        guess = near(unknown[0], SHOWN) if unknown else ""
-        raise FigureError(f"show = {','.join(show)!r}: must be some of {', '.join(SHOWN)}{guess}")
-    return tuple(kind for word in SHOWN if word in show for kind in SHOWN[word])
+        guess = near(unknown[0], labels) if unknown else ""
+        raise FigureError(f"show = {','.join(show)!r}: must be some of {', '.join(labels)}{guess}")
+    words = {*show, *([Kind.EXHAUSTED.label] if Kind.TA.label in show else [])}
+    return tuple(kind for kind in scene.kinds_of_cells if kind.label in words)
+
+
+def on_map(scene: Scene) -> tuple[Kind, ...]:
+    """Kinds of cells on a map of heights: stem and ND cells, and others that are bound."""
+    table = scene.cell_table.values()
+    old = Kind.STEM, Kind.ND
+    return tuple(row.kind for row in table if row.kind in old or row.adhesion == "bound")
 
 
 def draw_view(
@@ -46,14 +55,17 @@ def draw_view(
 
 def legend(figure: Figure, moment: Moment, kinds: Sequence[Kind]) -> None:
     """Names of the kinds of cells that there are."""
-    there = [kind for kind in CELLS if kind in kinds and kind in moment.kinds]
-    patches = [Patch(facecolor=COLOURS[k], edgecolor="0.3", label=NAMES[k]) for k in there]
+    there = [kind for kind in kinds if kind in moment.kinds]
+    patches = [
+        Patch(facecolor=kind.colour, edgecolor="0.3", label=NAMES.get(kind, kind.name))
+        for kind in there
+    ]
     if patches:
         figure.legend(handles=patches, loc="outside lower center", ncols=len(there), frameon=False)
 
 
 def _heights(axes: Axes, moment: Moment, kinds: Sequence[Kind], _: float) -> None:
-    image = draw_heights(axes, moment, [kind for kind in kinds if kind in BOUND])
+    image = draw_heights(axes, moment, [kind for kind in kinds if kind in on_map(moment.scene)])
     axes.set_title(f"height of the membrane, t = {moment.time:g}")
     assert axes.figure is not None
     axes.figure.colorbar(image, ax=axes, label="z", shrink=0.8)
@@ -70,7 +82,7 @@ VIEWS: dict[str, Callable[[Axes, Moment, Sequence[Kind], float], None]] = {
 @plain
 def snapshot(
     source: Source, time: float | None, path: str | Path, view: str = "3d",
-    show: Sequence[str] = tuple(SHOWN), y: float | None = None,
+    show: Sequence[str] | None = None, y: float | None = None,
 ) -> Path:  # fmt: skip
     """Write a picture of a run at a time.
 
@@ -84,8 +96,9 @@ def snapshot(
         File to write; its suffix gives the format.
     view : str
         One of `VIEWS`, or "all" for all of them.
-    show : sequence of str
-        Cells to draw, of "stem", "ta" and "nd"; on the map of heights those that are bound.
+    show : sequence of str, optional
+        Labels of the kinds of cells to draw, all if not given; "ta" are the exhausted, too. On the
+        map of heights are only those of them that are bound.
     y : float, optional
         Of the section; through the highest stem cell if not given.
 
@@ -98,9 +111,9 @@ def snapshot(
         raise FigureError(
             f"view = {view!r}: must be one of {', '.join(VIEWS)}, all{near(view, [*VIEWS, 'all'])}"
         )
-    kinds = kinds_of(show)
     check_output(path)
     (moment,) = read_moments(source, [time])
+    kinds = kinds_of(moment.scene, show)
     if y is not None and not 0 <= y <= moment.box[1]:
         raise FigureError(f"y = {y:g}: must be from 0 to L_y = {moment.box[1]:g}")
     views = list(VIEWS) if view == "all" else [view]
@@ -109,7 +122,7 @@ def snapshot(
     for n, name in enumerate(views):
         axes = figure.add_subplot(columns, columns, n + 1)
         VIEWS[name](axes, moment, kinds, highest_stem(moment) if y is None else y)
-    legend(figure, moment, BOUND if view == "height" else kinds)
+    legend(figure, moment, on_map(moment.scene) if view == "height" else kinds)
     return save(figure, path)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -69,8 +69,9 @@ def first_line(model: type[BaseModel], error: ValidationError) -> str:
     what = _EXPECTED.get(problem["type"]) or str(problem["msg"]).replace("Input should", "must")
     guess = ""
     if problem["type"] == "literal_error":
-        allowed = get_args(_part(model, parts[:-1]).model_fields[parts[-1]].annotation)
-        guess = near(problem["input"], allowed)
+        annotation = _part(model, parts[:-1]).model_fields[parts[-1]].annotation
+        inner = [get_args(one) for one in get_args(annotation)]  # of a key without a default
+        guess = near(problem["input"], next(filter(None, inner), get_args(annotation)))
     return f"{given}: {what}{guess}"
 
 
@@ -99,6 +100,7 @@ _EXPECTED = {
     "too_long": "must be an array of two values",
     "tuple_type": "must be an array of two values",
     "model_type": "must be a table of keys",
+    "dict_type": "must be a table of kinds, each a table of keys",
     "string_pattern_mismatch": "must be up to 64 letters, digits, '.', '_', '-', not '.' at first",
 }
 
@@ -114,17 +116,25 @@ def shown(value: Any) -> str:
 
 def _part(model: type[BaseModel], parts: Iterable[str]) -> type[BaseModel]:
     """The part of a model that is reached by keys."""
+    annotation: Any = model
     for key in parts:
-        annotation = model.model_fields[key].annotation
-        assert isinstance(annotation, type) and issubclass(annotation, BaseModel)
-        model = annotation
-    return model
+        below = _below(annotation)
+        annotation = below if isinstance(below, type) else annotation.model_fields[key].annotation
+    assert isinstance(annotation, type) and issubclass(annotation, BaseModel)
+    return annotation
+
+
+def _below(annotation: Any) -> Any:
+    """The model of each entry of a table whose names are free; None if it is no such table."""
+    return get_args(annotation)[1] if get_origin(annotation) is dict else None
 
 
 def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
     """All dotted keys of a model, those of the top last."""
     for key, field in model.model_fields.items():
-        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
-            yield from _keys(field.annotation, f"{prefix}{key}.")
+        below = _below(field.annotation)
+        part: Any = below or field.annotation
+        if isinstance(part, type) and issubclass(part, BaseModel):
+            yield from _keys(part, f"{prefix}{key}." + ("NAME." if below else ""))
     for key in model.model_fields:
         yield f"{prefix}{key}"

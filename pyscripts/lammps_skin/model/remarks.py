@@ -14,9 +14,8 @@ def remarks(scene: Scene) -> Iterator[str]:
     """Lines: a timestep that is shorter for an interval, times that are no whole number of steps,
     and a timestep that cannot be stable."""
     numerics = scene.numerics
-    timestep, cells = numerics.timestep, scene.cells
-    cycle = cells.cycle_delay + 1 / cells.cycle_rate
-    longest = longest_timestep(numerics.accuracy, numerics.integrator, cycle)
+    timestep = numerics.timestep
+    longest = longest_timestep(numerics.accuracy, numerics.integrator, scene.shortest_cycle)
     given = "timestep" in scene.given().get("numerics", {})
     if longest and timestep < longest and not given:
         keys = [f"{key} = {time:g}" for key, time in _times(scene) if not fits(time, longest)]

@@ -6,131 +6,21 @@ import math
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from lammps_skin.errors import SceneError
 from lammps_skin.kinds import Kind
 from lammps_skin.model import accuracy, parameters
-from lammps_skin.model.accuracy import DEFAULT_LEVEL, LEVELS, Level
+from lammps_skin.model.accuracy import DEFAULT_LEVEL, LEVELS
+from lammps_skin.model.cell_kinds import CellKind, cell_kinds, contradictions, reached
 from lammps_skin.model.keys import as_tuples, first_line, merged, near, shown
+from lammps_skin.model.parts import Cells, Dermis, Membrane, Numerics, Output, Part, Positive, Seed
 
 LARGEST_FILE = 1_000_000  # bytes of a scene file
-LARGEST = 1e12  # of any number, so that products of several stay finite
-Positive = Annotated[float, Field(gt=0, le=LARGEST, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, le=LARGEST, allow_inf_nan=False)]
-AboveOne = Annotated[float, Field(gt=1, allow_inf_nan=False)]
-Fraction = Annotated[float, Field(gt=0, lt=1)]
-Seed = Annotated[int, Field(ge=1, le=2**31 - 1)]
-Count = Annotated[int, Field(ge=0, le=10_000_000)]
-
-
-class Part(BaseModel):
-    """One part of a scene: frozen, strict about types, no unknown keys."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-
-class Dermis(Part):
-    """Soft dermal spheres between the wall and the membrane."""
-
-    present: bool = True
-    radius: Positive = Field(1.4, description="R_d")
-    stiffness: NotNegative = Field(0.04, description="K of dermis-dermis")
-    membrane_stiffness: NotNegative = Field(0.04, description="K of dermis-membrane")
-    wall_stiffness: NotNegative = Field(0.04, description="K of dermis-wall")
-    attraction_range: AboveOne = Field(1.4, description="Lambda")
-    softening: NotNegative = Field(0.125, description="a1")
-    softening_onset: Fraction = Field(0.8, description="d1")
-    volume_fraction: Annotated[float, Field(gt=0, le=1.5)] = 0.64
-    frozen_below: NotNegative = Field(0.0, description="spheres that start lower are held")
-    seed: Seed | None = Field(None, description="of the packing; the scene's seed if not given")
-
-
-class Membrane(Part):
-    """Triangular network of membrane particles."""
-
-    lattice: tuple[Count, Count] = Field((100, 114), description="particles along x, rows along y")
-    radius: Positive = Field(1.0, description="R_m")
-    spacing_ratio: Fraction = Field(0.25, description="d2")
-    height: Positive | None = Field(None, description="z at the start; 16 R_c if not given")
-    noise: NotNegative = Field(0.0, description="standard deviation of z at the start")
-    stretch_stiffness: NotNegative = 0.04
-    elasticity: NotNegative = Field(1.25, description="a2")
-    bending_stiffness: NotNegative = 0.5
-    exclusion_stiffness: NotNegative = 0.04
-
-
-class Cells(Part):
-    """Stem, transit-amplifying (TA) and non-dividing (ND) cells."""
-
-    stem: Count = 0
-    nd: Count = 0
-    arrangement: Literal["ring", "cluster", "random", "core", "alternating", "halves"] = "ring"
-    seed: Seed | None = Field(None, description="of schedules and directions")
-    radius: Positive = Field(1.4, description="R_c")
-    exclusion_stiffness: NotNegative = Field(0.04, description="K of cell-cell exclusion")
-    membrane_exclusion_stiffness: NotNegative = Field(0.04, description="K of cell-membrane")
-    cell_adhesion_stiffness: NotNegative = Field(0.03, description="K of cell-cell adhesion")
-    adhesion_stiffness: NotNegative = Field(25.0, description="K_ad")
-    adhesion_range: AboveOne = Field(1.4, description="lambda, also of the removal threshold")
-    binding_stiffness: NotNegative = Field(25.0, description="K of stem and ND cells")
-    division_spring: Literal["length", "reduced"] = "reduced"
-    division_stiffness: NotNegative = Field(5.0, description="K_div")
-    division_rate: Positive = Field(0.14, description="beta_0, growth of the natural length")
-    division_separation: Positive = Field(0.005, description="eps, half of it in units of R_c")
-    cycle_delay: NotNegative = Field(36.0, description="T0")
-    cycle_rate: Positive = Field(0.083, description="gamma")
-    first_phase: NotNegative = Field(48.0, description="first elapsed times are uniform in [0, .)")
-    generations: Annotated[int, Field(ge=0, le=1000)] = Field(10, description="M")
-
-
-class Numerics(Part):
-    """How it is computed. The level of accuracy gives the keys that are not given themselves."""
-
-    accuracy: Level = DEFAULT_LEVEL
-    integrator: Literal["euler", "rkl1", "rkl2"] = Field(
-        "euler", description="forward Euler, or Runge-Kutta-Legendre of order 1 or 2"
-    )
-    stages: Annotated[int, Field(ge=3, le=99)] = Field(
-        7, description="force evaluations in a step of rkl1 and rkl2"
-    )
-    timestep: Positive = 0.01
-    largest_move: NotNegative = Field(
-        0.05, description="of any particle in one step; longer steps are divided; 0: never"
-    )
-    stiffness_limit: NotNegative = Field(
-        0.0, description="stiffer membrane particles move slower in proportion; 0: none"
-    )
-    pair_form: Literal["analytic", "table", "skin"] = Field(
-        "analytic",
-        description="pairs as lj/cut where that is exact, as tables, or in the plugin's styles",
-    )
-    table_style: Literal["linear", "spline"] = "linear"
-    table_points: Annotated[int, Field(ge=100, le=1_000_000)] = 10_000
-    event_interval: NotNegative = Field(
-        0.2, description="time between steps that handle births and removals; 0: every step"
-    )
-    neighbor_skin: Positive = 0.3
-    rounding: Annotated[float, Field(ge=0, le=1e-3)] | None = Field(
-        None, description="of positions; 0: none; 1e-5 if not given and there are stem cells"
-    )
-    rounding_interval: Positive = Field(2.0, description="time between roundings")
-
-    @property
-    def evaluations(self) -> int:
-        """Force evaluations in a step that is not divided."""
-        return 1 if self.integrator == "euler" else self.stages
-
-
-class Output(Part):
-    """How often what is written, in time units; 0 is never."""
-
-    thermo_interval: Positive = 2.0
-    dump_interval: NotNegative = 10.0
-    checkpoint_interval: NotNegative = 50.0
 
 
 class Scene(Part):
@@ -142,9 +32,9 @@ class Scene(Part):
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")] = "scene"
     description: str = ""
-    parameters: Literal[
-        "printed", "papilla", "weak5", "direct5", "earlier", "earlier-stiff"
-    ] = "papilla"
+    parameters: Literal["printed", "papilla", "weak5", "direct5", "earlier", "earlier-stiff"] = (
+        "papilla"
+    )
     force_scale: Literal["printed", "direct"] = "printed"
     seed: Seed = 1
     box: tuple[Positive, Positive] | None = Field(
@@ -253,11 +143,21 @@ class Scene(Part):
     def rounding(self) -> float:
         """To what positions are rounded, so that ranks and threads do not change the lineage."""
         given = self.numerics.rounding
-        return given if given is not None else 1e-5 if self.cells.stem else 0.0
+        return given if given is not None else 1e-5 if self.divides else 0.0
 
     @property
     def has_cells(self) -> bool:
-        return self.cells.stem + self.cells.nd > 0
+        return self.cell_count > 0
+
+    @property
+    def divides(self) -> bool:
+        """Whether there are cells that divide."""
+        return any(kind.daughter for kind in self.cell_kinds)
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells at the start."""
+        return sum(kind.count for kind in self.cell_table.values())
 
     @property
     def cell_seed(self) -> int:
@@ -267,16 +167,45 @@ class Scene(Part):
     def dermis_seed(self) -> int:
         return self.dermis.seed or self.seed
 
+    @cached_property
+    def cell_table(self) -> dict[str, CellKind]:
+        """All kinds of cells by their labels, in the order of their numbers."""
+        return cell_kinds(self.cells)
+
+    @cached_property
+    def cell_kinds(self) -> tuple[CellKind, ...]:
+        """The kinds of cells that can occur, in the order of their numbers."""
+        return reached(self.cell_table)
+
+    @property
+    def kinds_of_cells(self) -> tuple[Kind, ...]:
+        """The kinds of cells that reports name, whether they can occur or not."""
+        return tuple(row.kind for row in self.cell_table.values())
+
+    @property
+    def all_kinds(self) -> tuple[Kind, ...]:
+        """The kinds of particles that reports name, in the order of their numbers from 1."""
+        return (Kind.DERMAL, Kind.MEMBRANE, *self.kinds_of_cells)
+
+    def kind(self, number: int) -> Kind:
+        """The kind of a number."""
+        return self.all_kinds[number - 1]
+
     @property
     def kinds(self) -> tuple[Kind, ...]:
         """The kinds of particles of this scene, in the order of their LAMMPS types."""
-        kinds = [Kind.DERMAL] if self.dermis.present else []
-        kinds.append(Kind.MEMBRANE)
-        if self.cells.stem:
-            kinds += [Kind.STEM, Kind.TA, Kind.EXHAUSTED]
-        if self.cells.nd:
-            kinds.append(Kind.ND)
-        return tuple(kinds)
+        dermis = [Kind.DERMAL] if self.dermis.present else []
+        return (*dermis, Kind.MEMBRANE, *(row.kind for row in self.cell_kinds))
+
+    @property
+    def longest_range(self) -> float:
+        """The longest of the ranges of cells, in contact lengths."""
+        return max(row.range for row in self.cell_kinds)
+
+    @property
+    def shortest_cycle(self) -> float:
+        """Mean duration of the fastest cell cycle that the scene states."""
+        return min(kind.cycle for kind in self.cell_table.values())
 
     # ---- what the single keys cannot know
 
@@ -311,6 +240,7 @@ class Scene(Part):
                 f"membrane.height = {self.membrane_height:g}: must be at least 4 R_d = "
                 f"{4 * self.dermis.radius:g} to hold a dermis"
             )
+        yield from contradictions(self.cells)
         yield from self._cell_contradictions()
         yield from self._numerical_contradictions()
 
@@ -327,23 +257,24 @@ class Scene(Part):
         if start >= cells.radius:
             yield f"cells.division_separation = {cells.division_separation:g}: must be below 0.5"
         with_nd = cells.arrangement in ("core", "alternating", "halves")
-        if with_nd and not (cells.stem and cells.nd):
+        others = self.cell_count - cells.nd
+        if with_nd and not (others and cells.nd):
             yield (
                 f"cells.arrangement = '{cells.arrangement}': needs both stem and ND cells, got "
-                f"stem = {cells.stem} and nd = {cells.nd}"
+                f"stem = {others} and nd = {cells.nd}"
             )
-        if cells.arrangement == "alternating" and cells.stem != cells.nd:
+        if cells.arrangement == "alternating" and others != cells.nd:
             yield (
-                f"cells.nd = {cells.nd}: must equal cells.stem = {cells.stem} in the alternating "
+                f"cells.nd = {cells.nd}: must equal cells.stem = {others} in the alternating "
                 "arrangement"
             )
 
     def _numerical_contradictions(self) -> Iterator[str]:
         numerics, output = self.numerics, self.output
-        if numerics.event_interval > self.cells.cycle_delay + 1 / self.cells.cycle_rate:
+        if numerics.event_interval > self.shortest_cycle:
             yield (
                 f"numerics.event_interval = {numerics.event_interval:g}: must be shorter than a "
-                f"cell cycle, {self.cells.cycle_delay + 1 / self.cells.cycle_rate:g}"
+                f"cell cycle, {self.shortest_cycle:g}"
             )
         if 0 < self.rounding < 1e-12:
             yield f"numerics.rounding = {self.rounding:g}: must be 0 or at least 1e-12"
@@ -386,11 +317,13 @@ def _of_level(given: Mapping[str, Any]) -> dict[str, Any]:
         return {}
     output, cells = Output(), Cells()
     intervals = [time(part("output"), *item) for item in output.model_dump().items()]
-    cycle = sum(
-        (
-            time(part("cells"), "cycle_delay", cells.cycle_delay),
-            1 / time(part("cells"), "cycle_rate", cells.cycle_rate),
-        )
+    delay = time(part("cells"), "cycle_delay", cells.cycle_delay)
+    rate = time(part("cells"), "cycle_rate", cells.cycle_rate)
+    rows = part("cells").get("kinds")
+    kinds = rows.values() if isinstance(rows, Mapping) else ()
+    cycle = min(
+        time(kind, "cycle_delay", delay) + 1 / time(kind, "cycle_rate", rate)
+        for kind in ({}, *(kind for kind in kinds if isinstance(kind, Mapping)))
     )
     end = time(given, "end_time", Scene.model_fields["end_time"].default)
     return accuracy.numerics(level, part("numerics"), [end, *intervals], cycle)

@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_skin.model.accuracy import reach
+from lammps_skin.model.parts import Membrane
 from lammps_skin.model.potentials import stretch_slope
-from lammps_skin.model.scene import Membrane, Scene
+from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms
 
 FOLDED = 180.0  # largest eigenvalue of a crowded membrane with the default stiffnesses
@@ -40,13 +41,14 @@ def stiffest(scene: Scene) -> Stiffest:
 
 
 def _motions(scene: Scene) -> Iterator[Stiffest]:
-    cells, membrane, terms = scene.cells, scene.membrane, Terms(scene)
+    membrane, terms = scene.membrane, Terms(scene)
     limit = scene.numerics.stiffness_limit or math.inf
     yield Stiffest("links of the membrane", min(6 * _link(scene), limit))
-    if scene.has_cells:
-        yield Stiffest("binding", 2 * terms.binding / scene.contact**2)
-    if cells.stem:
-        yield Stiffest("adhesion", 2 * terms.adhesion / scene.contact**2)
+    for kind in scene.cell_kinds:
+        name = "binding" if kind.adhesion == "bound" else "adhesion"
+        strongest = max(kind.stiffness, kind.paired_stiffness if kind.paired_with else 0.0)
+        yield Stiffest(name, 2 * terms.attachment(strongest) / scene.contact**2)
+    if scene.divides:
         yield Stiffest("division springs", 2 * terms.division.stiffness)
         yield Stiffest("folds of the membrane", min(FOLDED * _relative(membrane), limit))
 

@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_skin.arrays import Floats
-from lammps_skin.kinds import CELLS, Kind
 from lammps_skin.model import potentials
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.tables import Table, bond_grid, pair_grid
@@ -182,17 +181,17 @@ class Terms:
 
     @property
     def adhesion(self) -> float:
-        """K of adhesion: with direct forces times the contact length."""
-        return self.scene.cells.adhesion_stiffness * self._attachment_scale
+        """K of adhesion, of kinds that do not state theirs."""
+        return self.attachment(self.scene.cells.adhesion_stiffness)
 
     @property
     def binding(self) -> float:
-        """K of binding: with direct forces times the contact length."""
-        return self.scene.cells.binding_stiffness * self._attachment_scale
+        """K of binding, of kinds that do not state theirs."""
+        return self.attachment(self.scene.cells.binding_stiffness)
 
-    @property
-    def _attachment_scale(self) -> float:
-        return self.scene.contact if self.scene.force_scale == "direct" else 1.0
+    def attachment(self, stiffness: float) -> float:
+        """K of the attachment of a cell: with direct forces times the contact length."""
+        return stiffness * (self.scene.contact if self.scene.force_scale == "direct" else 1.0)
 
     @property
     def division(self) -> DivisionSpring:
@@ -210,7 +209,7 @@ class Terms:
         """Ranges of the pair terms and of adhesion, as far as the scene has them."""
         found = {name: shape.contact * shape.range for name, shape in self.shapes.items()}
         if self.scene.has_cells:
-            found["adhesion"] = self.scene.cells.adhesion_range * self.scene.contact
+            found["adhesion"] = self.scene.longest_range * self.scene.contact
         return found
 
     @property
@@ -315,8 +314,3 @@ def stretch_table(scene: Scene) -> Table:
     grid = bond_grid(0.2 * d2 * contact, d2 * contact, singular - 0.2 * d2 * contact,
                      scene.numerics.table_points)  # fmt: skip
     return Table("STRETCH", energy, force, grid, squared=False)
-
-
-def cell_kinds(scene: Scene) -> list[Kind]:
-    """Kinds of cells of this scene."""
-    return [kind for kind in scene.kinds if kind in CELLS]

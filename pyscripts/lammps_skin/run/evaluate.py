@@ -1,12 +1,14 @@
 """Single points: energies and forces of a configuration in a text file, by running LAMMPS.
 
 The text format is one line ``lattice NX NY Lx Ly time``, then a line ``kind x y z [m]`` for
-each particle (kinds M membrane, row by row, D dermal, S stem, T TA, N ND; m divisions left)
-and ``pair i j L`` for each dividing pair, with 0-based indices and the natural length L.
+each particle (kinds M membrane, row by row, D dermal, S stem, T TA, N ND, and those that the
+scene adds by their names; m divisions left) and ``pair i j L`` for each dividing pair, with
+0-based indices and the natural length L.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,7 @@ import numpy as np
 from lammps_skin.arrays import Floats
 from lammps_skin.engine.engine import Forces
 from lammps_skin.errors import ConfigurationError
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import KINDS, Kind
 from lammps_skin.model import potentials
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms
@@ -25,7 +27,7 @@ from lammps_skin.start import lattice
 from lammps_skin.start.configuration import Configuration
 
 LETTERS = {"D": Kind.DERMAL, "M": Kind.MEMBRANE, "S": Kind.STEM, "T": Kind.TA, "N": Kind.ND}
-LETTER_OF = {kind: letter for letter, kind in LETTERS.items()} | {Kind.EXHAUSTED: "T"}
+LETTER_OF = {kind.label: letter for letter, kind in LETTERS.items()} | {"exhausted": "T"}
 # names of the terms in the output
 SHORT = {
     "dm": "dermis_membrane", "dd": "dermis_dermis", "wall": "wall", "str": "stretch",
@@ -37,19 +39,24 @@ FINE = {"timestep": 0.01, "table_style": "linear", "table_points": 100_000}
 
 @dataclass
 class Text:
-    """What a text file says."""
+    """What a text file says; of kinds their labels."""
 
     sheet: tuple[int, int]
     sides: tuple[float, float]
     time: float
-    kinds: list[Kind]
+    kinds: list[str]
     positions: Floats
     divisions_left: list[int]
     pairs: list[tuple[int, int, float]]
 
 
-def read_text(path: Path) -> Text:
-    """Read a text file; raises `ConfigurationError` naming the line that is wrong."""
+def read_text(path: Path, names: Sequence[str] = ()) -> Text:
+    """Read a text file; raises `ConfigurationError` naming the line that is wrong.
+
+    `names` are the labels of further kinds of cells.
+    """
+    known = {letter: kind.label for letter, kind in LETTERS.items()}
+    known |= {name: name for name in names}
     try:
         lines = path.read_text("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
@@ -82,18 +89,19 @@ def read_text(path: Path) -> Text:
                 for cell in {int(i), int(j)}:
                     state(f"a pair of cell {cell}", number)
             else:
-                kind = LETTERS[words[0]]
+                kind = known[words[0]]
                 m = int(words[4]) if len(words) == 5 else 0
                 place = [float(word) for word in words[1:4]]
                 if len(words) not in (4, 5) or not 0 <= m <= 1000 or not np.isfinite(place).all():
                     raise ValueError
                 positions.append(place)
-                kinds.append(Kind.EXHAUSTED if kind == Kind.TA and m == 0 else kind)
+                kinds.append("exhausted" if kind == "ta" and m == 0 else kind)
                 divisions_left.append(m)
         except (ValueError, KeyError):
             raise ConfigurationError(
                 f"configuration {path}, line {number}: {line.strip()[:60]!r} is none of "
-                "'lattice NX NY Lx Ly time', 'M|D|S|T|N x y z [m]', 'pair i j L'"
+                f"'lattice NX NY Lx Ly time', '{'|'.join(['M|D|S|T|N', *names])} x y z [m]', "
+                "'pair i j L'"
             ) from None
     if header is None:
         raise ConfigurationError(f"configuration {path}: has no line 'lattice NX NY Lx Ly time'")
@@ -104,7 +112,7 @@ def read_text(path: Path) -> Text:
 
 
 def _check(text: Text, path: Path) -> None:
-    membrane = sum(kind == Kind.MEMBRANE for kind in text.kinds)
+    membrane = text.kinds.count("membrane")
     nx, ny = text.sheet
     if membrane != nx * ny:
         raise ConfigurationError(
@@ -112,29 +120,37 @@ def _check(text: Text, path: Path) -> None:
             f"the file has {membrane}"
         )
     for i, j, _ in text.pairs:
-        if i == j or not all(0 <= n < len(text.kinds) and text.kinds[n] in CELLS for n in (i, j)):
+        inside = all(0 <= n < len(text.kinds) for n in (i, j))
+        if i == j or not inside or {"membrane", "dermal"} & {text.kinds[i], text.kinds[j]}:
             raise ConfigurationError(f"configuration {path}: pair {i} {j}: must be two cells")
+
+
+def _further(changes: dict[str, Any]) -> list[str]:
+    """Labels of the kinds of cells that changes of a scene add."""
+    told = {key: value for key, value in changes.items() if key.startswith("cells.kinds")}
+    return [kind.label for kind in Scene().replace(**told).kinds_of_cells if kind not in KINDS]
 
 
 def scene_of(text: Text, name: str, changes: dict[str, Any]) -> Scene:
     """The smallest scene that has the kinds of the file."""
-    present = set(text.kinds)
-    stem_line = sum(kind in (Kind.STEM, Kind.TA, Kind.EXHAUSTED) for kind in text.kinds)
+    stem_line = sum(text.kinds.count(label) for label in ("stem", "ta", "exhausted"))
+    further = sorted(set(text.kinds) - {kind.label for kind in KINDS})
+    counts = {f"cells.kinds.{label}.count": text.kinds.count(label) for label in further}
     scene = Scene.from_dict(
         {
             "name": "evaluate",
             "parameters": name,
-            "dermis": {"present": Kind.DERMAL in present},
+            "dermis": {"present": "dermal" in text.kinds},
             "membrane": {"lattice": list(text.sheet)},
             "cells": {
                 "stem": stem_line,
-                "nd": sum(kind == Kind.ND for kind in text.kinds),
+                "nd": text.kinds.count("nd"),
                 "arrangement": "random",
             },
             "numerics": dict(FINE),
             "output": {"dump_interval": 0.0, "checkpoint_interval": 0.0},
         }
-    ).replace(**changes)
+    ).replace(**counts, **changes)
     top = float(text.positions[:, 2].max(initial=0.0)) + 4 * scene.contact
     if top > scene.box_height:
         scene = scene.replace(box_height=top)
@@ -144,7 +160,8 @@ def scene_of(text: Text, name: str, changes: dict[str, Any]) -> Scene:
 def configuration_of(text: Text, scene: Scene) -> Configuration:
     """The state that a file describes."""
     links, hinges = lattice.links_and_hinges(text.sheet)
-    kinds = np.array(text.kinds, int)
+    numbers = {kind.label: int(kind) for kind in scene.all_kinds}
+    kinds = np.array([numbers[label] for label in text.kinds], int)
     membrane = np.flatnonzero(kinds == Kind.MEMBRANE)
     configuration = Configuration(
         box=np.array([*text.sides, scene.box_height]),
@@ -188,8 +205,9 @@ class Evaluation:
         for n, (kind, force) in enumerate(zip(self.forces.types, self.forces.forces, strict=True)):
             nearest = "{} {:.15g}".format(*self.partner[n]) if n in self.partner else ""
             fx, fy, fz = force
+            label = self.scene.kind(kind).label
             lines.append(
-                f"{n} {LETTER_OF[Kind(kind)]} {fx:.15g} {fy:.15g} {fz:.15g} {nearest}".strip()
+                f"{n} {LETTER_OF.get(label, label)} {fx:.15g} {fy:.15g} {fz:.15g} {nearest}".strip()
             )
         return lines
 
@@ -198,8 +216,9 @@ def evaluate(
     path: Path, parameters: str = "papilla", changes: dict[str, Any] | None = None
 ) -> Evaluation:
     """Energies and forces of the configuration in a text file, with the scene's own styles."""
-    text = read_text(path)
-    scene = scene_of(text, parameters, changes or {})
+    changes = changes or {}
+    text = read_text(path, _further(changes))
+    scene = scene_of(text, parameters, changes)
     try:
         configuration = configuration_of(text, scene)
         configuration.check(scene)

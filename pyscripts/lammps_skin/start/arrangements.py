@@ -1,4 +1,4 @@
-"""Where the first stem and ND cells stand on the flat membrane (section 5 of the model)."""
+"""Where the first cells stand on the flat membrane (section 5 of the model)."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError
+from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 
 RING_RADIUS = 0.3  # of L_x
@@ -15,40 +16,49 @@ PLACEMENT_STREAM = 101  # keeps these random numbers apart from others of the sa
 TRIES_PER_CELL = 2000
 
 
-def place_cells(scene: Scene) -> tuple[Floats, Floats]:
-    """Places (n, 2) of the stem and of the ND cells, no two closer than 2 R_c.
+def place_cells(scene: Scene) -> dict[Kind, Floats]:
+    """Places (n, 2) of the first cells of each kind that has any, no two closer than 2 R_c.
 
-    Raises `SceneError` if so many cells do not fit.
+    The places of stem cells are dealt out evenly among all kinds but ND. Raises `SceneError` if so
+    many cells do not fit.
     """
     cells = scene.cells
     lx, ly, _ = scene.box_sides
     centre = np.array([lx / 2, ly / 2])
-    nobody = np.empty((0, 2))
     most = int(lx * ly / (2 * math.sqrt(3) * cells.radius**2))
-    if cells.stem + cells.nd > most:
+    count, nd = scene.cell_count, cells.nd
+    others = count - nd
+    if count > most:
         raise SceneError(_does_not_fit(scene, f"there is room for {most:,} at most"))
 
     if cells.arrangement == "random":
-        both = _random(scene, cells.stem + cells.nd)
-        stem, nd = both[: cells.stem], both[cells.stem :]
+        places = _random(scene, count)
     elif cells.arrangement == "cluster":
-        both = _cluster(cells.stem + cells.nd, scene) + centre
-        stem, nd = both[: cells.stem], both[cells.stem :]
+        places = _cluster(count, scene) + centre
     elif cells.arrangement == "ring":
-        both = _ring(cells.stem + cells.nd, RING_RADIUS * lx) + centre
-        stem, nd = both[: cells.stem], both[cells.stem :]
+        places = _ring(count, RING_RADIUS * lx) + centre
     elif cells.arrangement == "core":
-        stem, nd = _ring(cells.stem, RING_RADIUS * lx) + centre, _cluster(cells.nd, scene) + centre
+        places = np.concatenate([_ring(others, RING_RADIUS * lx), _cluster(nd, scene)]) + centre
     elif cells.arrangement == "alternating":
-        stem, nd = (ring + centre for ring in _alternating(cells.stem, scene))
+        places = np.concatenate(_alternating(others, scene)) + centre
     else:
         quarter = np.array([lx / 4, 0])
-        stem = _cluster(cells.stem, scene) + centre - quarter
-        nd = _cluster(cells.nd, scene) + centre + quarter
+        halves = _cluster(others, scene) - quarter, _cluster(nd, scene) + quarter
+        places = np.concatenate(halves) + centre
 
-    everybody = np.concatenate([stem, nd]) if scene.has_cells else nobody
-    _check_room(scene, everybody)
-    return stem % [lx, ly], nd % [lx, ly]
+    _check_room(scene, places)
+    places %= [lx, ly]
+    whose = {row.kind: row.count for row in scene.cell_kinds if row.count and row.kind != Kind.ND}
+    dealt = _dealt(places[:others], list(whose.values()))
+    found = dict(zip(whose, dealt, strict=True)) | ({Kind.ND: places[others:]} if nd else {})
+    return dict(sorted(found.items()))
+
+
+def _dealt(places: Floats, counts: list[int]) -> list[Floats]:
+    """Places (n, 2) dealt out evenly: to each of some kinds as many as it has cells."""
+    turns = np.array([(n + 0.5) / count for count in counts for n in range(count)])
+    whose = np.repeat(np.arange(len(counts)), counts)[np.argsort(turns, kind="stable")]
+    return [places[whose == kind] for kind in range(len(counts))]
 
 
 def _ring(count: int, radius: float, turn: float = 0.0) -> Floats:
@@ -108,9 +118,13 @@ def _check_room(scene: Scene, places: Floats) -> None:
 
 
 def _does_not_fit(scene: Scene, why: str) -> str:
-    cells = scene.cells
+    counts = {"cells.stem": scene.cells.stem, "cells.nd": scene.cells.nd}
+    for row in scene.cell_kinds:
+        if row.count and row.kind not in (Kind.STEM, Kind.ND):
+            counts[f"cells.kinds.{row.label}.count"] = row.count
+    *first, last = (f"{key} = {count}" for key, count in counts.items())
     lx, ly, _ = scene.box_sides
     return (
-        f"cells.stem = {cells.stem} and cells.nd = {cells.nd}: do not fit in the arrangement "
-        f"'{cells.arrangement}' on a membrane of {lx:.4g} x {ly:.4g}: {why}"
+        f"{', '.join(first)} and {last}: do not fit in the arrangement "
+        f"'{scene.cells.arrangement}' on a membrane of {lx:.4g} x {ly:.4g}: {why}"
     )

@@ -16,7 +16,7 @@ from lammps_skin.errors import SceneError, one_line
 from lammps_skin.kinds import Kind
 from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.terms import StyledTerm, Terms, cell_kinds
+from lammps_skin.model.terms import StyledTerm, Terms
 from lammps_skin.plugin import installed
 from lammps_skin.start.configuration import Configuration
 
@@ -151,11 +151,12 @@ def _link_limits(stretch: StyledTerm) -> list[str]:
 
 def _cell_variables(terms: Terms, string: Any) -> Iterator[str]:
     scene, cells = terms.scene, terms.scene.cells
-    numbers = [scene.kinds.index(kind) + 1 for kind in cell_kinds(scene)]
+    labels = [row.label for row in scene.cell_kinds]
+    last = len(scene.kinds)
     yield "\n# cells"
-    yield string("cell_types", f"{min(numbers)}*{max(numbers)}")
-    yield string("cell_labels", *(kind.label for kind in cell_kinds(scene)))
-    yield string("cell_kinds", *(f"{kind.label} {kind.label}" for kind in cell_kinds(scene)))
+    yield string("cell_types", f"{last - len(labels) + 1}*{last}")
+    yield string("cell_labels", *labels)
+    yield string("cell_kinds", *(f"{label} {label}" for label in labels))
     yield string("contact", scene.contact)
     yield string("core", CORE * scene.contact if cells.membrane_exclusion_stiffness else 0)
     yield string("adhesion", terms.adhesion, cells.adhesion_range)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from lammps_skin.arrays import Bools, Floats, Ints
 from lammps_skin.errors import ConfigurationError, SceneError
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
+from lammps_skin.model.cell_kinds import divisions_left
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms
 from lammps_skin.start import lattice
@@ -30,7 +31,7 @@ PER_PARTICLE = ("divisions_left", "divisions_done", "parent", "pair",
                 "next_division", "birth_time", "pair_start")  # fmt: skip
 WHOLE = {"kinds", "links", "hinges", "divisions_left", "divisions_done", "parent", "pair"}
 LIMITS = {
-    "kinds": (int(min(Kind)), int(max(Kind))),
+    "kinds": (int(Kind.DERMAL), INTEGER),
     **dict.fromkeys(("divisions_left", "divisions_done", "parent", "pair"), (0, INTEGER)),
 }
 
@@ -81,11 +82,13 @@ class Configuration:
     @property
     def is_cell(self) -> Bools:
         """Mask (n,) of the cells."""
-        return np.isin(self.kinds, CELLS)
+        mask: NDArray[np.bool_] = is_cell(self.kinds)
+        return mask
 
     @property
-    def present_kinds(self) -> set[Kind]:
-        return {Kind(kind) for kind in np.unique(self.kinds)}
+    def present_kinds(self) -> set[int]:
+        """Numbers of the kinds that there are."""
+        return set(np.unique(self.kinds).tolist())
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
@@ -94,24 +97,27 @@ class Configuration:
         check_memory(scene)
         sheet = lattice.positions(scene.membrane.lattice, scene.spacing, scene.membrane_height)
         roughness = np.random.default_rng([scene.seed, ROUGHNESS_STREAM])
-        stem, nd = place_cells(scene)
+        first = place_cells(scene)
         dermis = pack_dermis(scene, sheet) if scene.dermis.present else np.empty((0, 3))
         sheet[:, 2] += scene.membrane.noise * roughness.standard_normal(len(sheet))
 
-        places = np.concatenate([stem, nd])
+        places = np.concatenate([np.empty((0, 2)), *first.values()])
         above = np.full((len(places), 1), scene.membrane_height + scene.contact)
         links, hinges = lattice.links_and_hinges(scene.membrane.lattice)
         kinds = np.repeat(
-            [Kind.MEMBRANE, Kind.DERMAL, Kind.STEM, Kind.ND],
-            [len(sheet), len(dermis), len(stem), len(nd)],
+            [Kind.MEMBRANE, Kind.DERMAL, *first],
+            [len(sheet), len(dermis), *map(len, first.values())],
         ).astype(int)
+        left = np.zeros(len(kinds), int)
+        for row in scene.cell_kinds:
+            left[kinds == row.kind] = divisions_left(row, scene.cell_table)
         configuration = cls(
             box=np.array(scene.box_sides),
             kinds=kinds,
             positions=np.concatenate([sheet, dermis, np.hstack([places, above])]),
             links=links,
             hinges=hinges,
-            divisions_left=np.where(kinds == Kind.STEM, scene.cells.generations, 0),
+            divisions_left=left,
         )
         configuration.check(scene)
         return configuration
@@ -132,7 +138,8 @@ class Configuration:
             )
         absent = self.present_kinds - set(scene.kinds)
         if absent:
-            names = ", ".join(kind.label for kind in sorted(absent))
+            labels = {int(kind): kind.label for kind in scene.all_kinds}
+            names = ", ".join(labels.get(number, str(number)) for number in sorted(absent))
             raise ConfigurationError(f"kinds: the scene has no particles of kind {names}")
         if Kind.MEMBRANE not in self.present_kinds:
             raise ConfigurationError("kinds: there is no membrane particle (2)")
@@ -185,17 +192,20 @@ class Configuration:
         from scipy.spatial import cKDTree
 
         cells = np.flatnonzero(self.is_cell)
+        limited = [row.kind for row in scene.cell_kinds if row.generations is not None]
+        last = {row.after_last for row in scene.cell_kinds}
+        ended = [row.kind for row in scene.cell_kinds if row.label in last and not row.daughter]
         for n in cells:
-            kind, m = Kind(self.kinds[n]), self.divisions_left[n]
-            if (kind == Kind.TA and m == 0) or (kind == Kind.EXHAUSTED and m > 0):
+            kind, m = self.kinds[n], self.divisions_left[n]
+            if (kind in limited and m == 0) or (kind in ended and m > 0):
                 raise ConfigurationError(
-                    f"divisions_left: {m} for particle {n}, a {kind.label} cell"
+                    f"divisions_left: {m} for particle {n}, a {scene.kind(kind).label} cell"
                 )
             other = self.pair[n]
             if other and not (
                 other <= len(self.kinds)
                 and other != n + 1
-                and self.kinds[other - 1] in CELLS
+                and is_cell(self.kinds[other - 1])
                 and self.pair[other - 1] == n + 1
             ):
                 raise ConfigurationError(f"pair: particle {n} and id {other} are not each other's")
@@ -236,8 +246,8 @@ class Configuration:
         """LAMMPS data file with the cell state in the section ``state`` of fix property/atom."""
         n = len(self.kinds)
         ids = np.arange(1, n + 1)
-        lammps_type = {kind: number for number, kind in enumerate(kinds, 1)}
-        types = np.array([lammps_type[Kind(kind)] for kind in self.kinds])
+        lammps_type: dict[int, int] = {kind: number for number, kind in enumerate(kinds, 1)}
+        types = np.array([lammps_type[kind] for kind in self.kinds])
 
         with path.open("w", encoding="utf-8") as file:
             file.write("LAMMPS data file, written by lammps-skin\n\n")
@@ -246,7 +256,7 @@ class Configuration:
             for side, axis in zip(self.box, "xyz", strict=True):
                 file.write(f"0 {side:.17g} {axis}lo {axis}hi\n")
             file.write("\nAtom Type Labels\n\n")
-            file.writelines(f"{number} {kind.label}\n" for kind, number in lammps_type.items())
+            file.writelines(f"{number} {kind.label}\n" for number, kind in enumerate(kinds, 1))
             file.write("\nMasses\n\n")
             file.writelines(f"{number} 1\n" for number in lammps_type.values())
             file.write("\nAtoms # molecular\n\n")

@@ -19,7 +19,7 @@ def particle_counts(scene: Scene) -> tuple[int, int, int]:
     """Membrane particles, dermal particles and cells at the start, without building them."""
     nx, ny = scene.membrane.lattice
     dermal = dermal_count(scene) if scene.dermis.present else 0
-    return nx * ny, dermal, scene.cells.stem + scene.cells.nd
+    return nx * ny, dermal, scene.cell_count
 
 
 def installed() -> float:

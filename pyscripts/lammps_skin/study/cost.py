@@ -87,20 +87,24 @@ def estimate(scene: Scene, rates: Rates | None = None) -> Cost:
 
 def _cells(scene: Scene, times: np.ndarray) -> np.ndarray:
     """Expected number of cells (n,) at times (n,)."""
-    cells = scene.cells
-    cycle = cells.cycle_delay + 1 / cells.cycle_rate
+    dividing = _dividing(scene)
     lx, ly, _ = scene.box_sides
-    room = max(CROWDED * lx * ly, cells.stem)
-    doublings = np.minimum(times / cycle, 60.0)
-    return np.minimum(cells.stem * 2.0**doublings, room) + cells.nd
+    room = max(CROWDED * lx * ly, dividing)
+    doublings = np.minimum(times / scene.shortest_cycle, 60.0)
+    return np.minimum(dividing * 2.0**doublings, room) + scene.cell_count - dividing
+
+
+def _dividing(scene: Scene) -> int:
+    """Number of cells at the start that divide."""
+    return sum(kind.count for kind in scene.cell_kinds if kind.daughter)
 
 
 def _rebuilds(scene: Scene, cells: np.ndarray) -> np.ndarray:
     """Rebuilds of the neighbor lists per time unit: by events, on event steps, and by motion."""
     numerics = scene.numerics
-    cycle = scene.cells.cycle_delay + 1 / scene.cells.cycle_rate
     interval = max(numerics.event_interval, numerics.timestep)
-    events = EVENTS_PER_CYCLE * (cells - scene.cells.nd) / cycle
+    dividing = cells - scene.cell_count + _dividing(scene)
+    events = EVENTS_PER_CYCLE * dividing / scene.shortest_cycle
     return -np.expm1(-events * interval) / interval + REBUILDS_BY_MOTION / numerics.neighbor_skin
 
 

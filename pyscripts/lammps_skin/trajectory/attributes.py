@@ -14,7 +14,7 @@ from typing import Any, Self
 import numpy as np
 
 from lammps_skin.errors import SkinError
-from lammps_skin.kinds import Kind
+from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.frame import ABSENT
 
 with warnings.catch_warnings():
@@ -24,9 +24,11 @@ with warnings.catch_warnings():
     from MDAnalysis.core.topologyattrs import AtomAttr, Atomnames, Atomtypes, Radii
 
 NOTHING = "absent"  # label of a slot in which there is no particle
-LABELS = np.array([NOTHING, *(kind.label for kind in Kind)], object)  # the place is the number
-PLACES = {label: place for place, label in enumerate(LABELS)}
-PLACES |= {str(place or ABSENT): place for place in PLACES.values()}
+
+
+def labels(scene: Scene) -> Any:
+    """Labels of the kinds of particles of a scene; the place of each is its number."""
+    return np.array([NOTHING, *(kind.label for kind in scene.all_kinds)], object)
 
 
 class FrameAttr(AtomAttr):  # type: ignore[misc]
@@ -61,14 +63,18 @@ class FrameAttr(AtomAttr):  # type: ignore[misc]
         self._given = given
 
     def _moment(self) -> Any:
+        return self._of_frame(self.source)
+
+    def _of_frame(self, name: str) -> Any:
+        """What the timestep holds by a name."""
         reader = self.trajectory
         data = {} if reader is None else reader.ts.data
-        if self.source not in data:
+        if name not in data:
             raise SkinError(
                 f"{self.attrname}: change from frame to frame, and "
                 f"{getattr(reader, 'filename', None) or 'this trajectory'} does not hold them"
             )
-        return data[self.source]
+        return data[name]
 
     def __len__(self) -> int:
         return len(self._given) if self.is_given else self.atoms
@@ -89,8 +95,11 @@ class KindAttr(FrameAttr):
 
     @property
     def namedict(self) -> dict[str, int]:
-        """Places in `LABELS` of all that a selection may say."""
-        return self._namedict if self.is_given else PLACES
+        """Places in `labels` of all that a selection may say."""
+        if self.is_given:
+            return self._namedict
+        places = {label: place for place, label in enumerate(self._of_frame("labels"))}
+        return places | {str(place or ABSENT): place for place in places.values()}
 
     @namedict.setter
     def namedict(self, given: dict[str, int]) -> None:
@@ -106,7 +115,7 @@ class KindAttr(FrameAttr):
         self._nmidx = given
 
     def _moment(self) -> Any:
-        return LABELS[self.nmidx]
+        return self._of_frame("labels")[self.nmidx]
 
 
 class Owner:

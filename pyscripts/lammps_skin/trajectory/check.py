@@ -17,7 +17,7 @@ import numpy as np
 
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import DamagedError, SkinError, reading
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Frame
 from lammps_skin.trajectory.hdf5 import open_hdf5
@@ -253,10 +253,10 @@ def _reasons(
         yield "there is no membrane particle"
     if members is not None and not np.array_equal(membrane, members):
         yield "its membrane is not that of the first frame"
-    is_cell = np.flatnonzero(np.isin(frame.kinds, CELLS))
-    cells = ids[is_cell]
+    places = np.flatnonzero(is_cell(frame.kinds))
+    cells = ids[places]
     for name, values in frame.state.items():
-        column = values[is_cell]
+        column = values[places]
         right = np.isfinite(column) if name not in WHOLE else (column >= 0) & (column <= INTEGER)
         if name == "partner":
             right = (column == 0) | np.isin(column, membrane)

@@ -18,7 +18,7 @@ import numpy as np
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.engine.built import box_sides, load_built, variable
 from lammps_skin.errors import DamagedError, reading
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.check import check_frame
 from lammps_skin.trajectory.connectivity import connectivity
@@ -160,7 +160,7 @@ class Dump:
             if first == len(lines):
                 return np.empty(0, np.int64), np.empty(0, np.int64)
             values = _numbers(b"\n".join(lines[first:]), len(lines) - first)
-            cells = np.isin(self._kinds[values[:, 1].astype(int) - 1], CELLS)
+            cells = is_cell(self._kinds[values[:, 1].astype(int) - 1])
             return values[cells, 0].astype(np.int64), values[cells, PARENT].astype(np.int64)
 
     def _next_id(self, n: int) -> int:
@@ -228,7 +228,7 @@ def write_dump(path: Path, frames: Iterable[Frame], kinds: Sequence[Kind]) -> in
     int
         Number of frames.
     """
-    has_cells = any(kind in CELLS for kind in kinds)
+    has_cells = any(map(is_cell, kinds))
     columns = (*PARTICLE_COLUMNS, *(STATE_COLUMNS if has_cells else ()))
     form = "%d %d" + " %.17g" * (len(columns) - 2)
     n = 0
@@ -246,7 +246,7 @@ def _table(frame: Frame, kinds: Sequence[Kind], columns: int) -> np.ndarray:
     """Rows of a dump (n, columns); LAMMPS has zeros where something is no cell."""
     types = np.searchsorted(np.array(kinds), frame.kinds) + 1
     rows = np.column_stack([frame.ids, types, frame.positions, *frame.state.values()])
-    rows[~np.isin(frame.kinds, CELLS), len(PARTICLE_COLUMNS) :] = 0
+    rows[~is_cell(frame.kinds), len(PARTICLE_COLUMNS) :] = 0
     return rows[:, :columns]
 
 
@@ -320,11 +320,11 @@ def _frame(text: bytes, place: Place, kinds: Ints, next_id: int) -> Frame:
     if types.min() < 1 or types.max() > len(kinds):
         raise DamagedError(f"has types from {types.min()} to {types.max()}, of {len(kinds)}")
     numbers = kinds[types - 1]
-    is_cell = np.isin(numbers, CELLS)
+    cells = is_cell(numbers)
     state = {}
     for n, (name, fill) in enumerate(CELL_STATE.items(), len(PARTICLE_COLUMNS)):
         given = values[:, n] if n < len(columns) else fill
-        column = np.where(is_cell, given, fill)
+        column = np.where(cells, given, fill)
         state[name] = column.astype(np.int64) if name in WHOLE else column
     return Frame(
         step=place.step,

@@ -10,7 +10,7 @@ import numpy as np
 
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.engine.engine import Cells, Forces
-from lammps_skin.kinds import CELLS
+from lammps_skin.kinds import is_cell
 
 ABSENT = -1
 # with the value of what is not a living cell
@@ -63,12 +63,12 @@ class Frame:
         next_id: int,
     ) -> Frame:  # fmt: skip
         """Frame of what LAMMPS holds: all particles, and the state of the cells among them."""
-        is_cell = np.isin(particles.types, CELLS)
+        of_cells = is_cell(particles.types)
         state: dict[str, Any] = {}
         for name, fill in CELL_STATE.items():
             kind = np.int64 if name in WHOLE else np.float64
-            state[name] = np.full(len(is_cell), fill, kind)
-            state[name][is_cell] = getattr(cells, name)
+            state[name] = np.full(len(of_cells), fill, kind)
+            state[name][of_cells] = getattr(cells, name)
         ids, kinds, positions = particles[:3]
         return cls(step, time, np.asarray(edges, float), ids, kinds, positions, state, next_id)
 

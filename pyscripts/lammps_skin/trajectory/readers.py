@@ -18,9 +18,9 @@ import numpy as np
 
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SkinError
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import FIRST_CELL, Kind
 from lammps_skin.model.scene import Scene
-from lammps_skin.trajectory.attributes import ATTRIBUTES
+from lammps_skin.trajectory.attributes import ATTRIBUTES, labels
 from lammps_skin.trajectory.clones import clones
 from lammps_skin.trajectory.dump import FIRST_ITEM, Dump
 from lammps_skin.trajectory.frame import ABSENT
@@ -63,7 +63,7 @@ class FrameReader(ReaderBase):  # type: ignore[misc]
         self.n_frames = len(self.frames)
         self.scene, self.triangles = self.frames.scene, self.frames.triangles
         self.seed = self.frames.seed
-        self._radii = _radii(self.scene)
+        self._radii, self._labels = _radii(self.scene), labels(self.scene)
         self.ts = self._Timestep(self.n_atoms, positions=True, **self._ts_kwargs)
         if "dt" not in self._ts_kwargs:
             self.ts.dt = self._distance()
@@ -110,6 +110,7 @@ class FrameReader(ReaderBase):  # type: ignore[misc]
             "edges": frame.edges,
             "alive": (data["id"] != ABSENT).astype(np.int64),
             "radius": self._radii[data["species"]],
+            "labels": self._labels,
         }
         return ts
 
@@ -138,9 +139,9 @@ class FrameReader(ReaderBase):  # type: ignore[misc]
 
 def _radii(scene: Scene) -> Floats:
     """Radius of each kind of particle, by its number; NaN at the end, for `ABSENT`."""
-    radii = np.full(max(Kind) + 2, np.nan)
+    radii = np.full(len(scene.all_kinds) + 2, np.nan)
+    radii[FIRST_CELL:-1] = scene.cells.radius
     radii[Kind.DERMAL], radii[Kind.MEMBRANE] = scene.dermis.radius, scene.membrane.radius
-    radii[list(CELLS)] = scene.cells.radius
     return radii
 
 

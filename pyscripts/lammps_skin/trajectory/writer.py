@@ -17,7 +17,7 @@ import numpy as np
 
 from lammps_skin.arrays import Ints
 from lammps_skin.errors import SkinError
-from lammps_skin.kinds import CELLS, Kind
+from lammps_skin.kinds import is_cell
 from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.check import GROUP, MEMBERS, NEXT_ID
@@ -168,9 +168,9 @@ class TrajectoryWriter:
         values = {"position": frame.positions, "id": frame.ids, "species": frame.kinds}
         for name, column in values.items():
             self._append(name, frame.ids, column)
-        is_cell = np.isin(frame.kinds, CELLS)
+        cells = is_cell(frame.kinds)
         for name, column in frame.state.items():
-            self._append(name, frame.ids[is_cell], column[is_cell])
+            self._append(name, frame.ids[cells], column[cells])
         self._frames += 1
         self._last_step = frame.step
         self._file.flush()
@@ -249,7 +249,7 @@ class TrajectoryWriter:
         for name, value in variables.items():
             given[name] = str(value)
         kinds = parameters.create_group("species").attrs
-        for kind in Kind:
+        for kind in scene.all_kinds:
             kinds[kind.label] = int(kind)
         versions = parameters.create_group("versions").attrs
         for name, value in _versions().items():
