@@ -2,7 +2,8 @@
 
 The columns (see docs/analysis.md): numbers of cells, what has happened to them, how much of the
 membrane they cover and whether in one layer, its height, its papillae, the cells on their tips,
-the order parameters of stem cells, of ND cells, and of kinds that the scene adds. What is not defined in a frame is NaN.
+the order parameters of stem cells, of ND cells, and of kinds that the scene adds. What is not
+defined in a frame is NaN.
 """
 
 from __future__ import annotations
