@@ -274,9 +274,9 @@ def _endings(table: Mapping[str, CellKind]) -> Iterator[str]:
             )
             continue
         chain = [label]
-        while (last := table[chain[-1]].after_last) is not None:
+        while (last := table[chain[-1]].after_last) and table[chain[-1]].generations == 0:
             if last in chain:
                 circle = " -> ".join([*chain, last])
-                yield f"{place}.after_last = '{kind.after_last}': is circular, {circle}"
+                yield f"{place}.after_last = '{kind.after_last}': no one divides in {circle}"
                 break
             chain.append(last)
