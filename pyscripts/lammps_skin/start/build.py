@@ -35,8 +35,9 @@ def build(
     configuration does not belong to the scene. Files are put in place when all of them are written,
     the scene last; without it a directory is not taken for a built one.
     """
-    plain = {"cells.kinds": {}, "cells.removal_in_pair": True, "cells.division_distance": 0.0}
-    if scene.membrane.bending_form != "cosine" or scene != scene.replace(**plain):
+    cells, form = scene.cells, scene.membrane.bending_form
+    changed = cells.kinds or not cells.removal_in_pair or cells.division_distance
+    if changed or form != "cosine" or cells.generations == "endless":
         raise SceneError("cells.kinds, cells.removal_in_pair and so on: cannot be run yet")
     if configuration is None:
         configuration = Configuration.from_scene(scene)
