@@ -280,7 +280,7 @@ void BondSkinStretch::overstretched(int n) const
              "Bond skin/stretch: the link of atoms {} and {} has length {} on step {}, its "
              "singular length is {}{}",
              atom->tag[links.all[n][0]], atom->tag[links.all[n][1]], r, update->ntimestep, most,
-             skin_remedy(update, false));
+             skin_remedy(update, modify, false));
 }
 
 /* ---------------------------------------------------------------------- */

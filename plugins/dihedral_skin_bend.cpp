@@ -160,7 +160,7 @@ void DihedralSkinBend::inverted(double duration, bool at_start) const
              "been inverted ones for {} time units{}",
              turned.corner[0], turned.corner[1], turned.corner[2], update->ntimestep,
              std::acos(turned.cosine) * DEGREES, std::acos(INVERTED) * DEGREES, duration,
-             skin_remedy(update, at_start));
+             skin_remedy(update, modify, at_start));
 }
 
 /* ---------------------------------------------------------------------- */
@@ -173,7 +173,7 @@ void DihedralSkinBend::degenerate(int t)
              "Dihedral skin/bend: the triangle of atoms {} {} {} has no normal on step {}: its "
              "area is below {}{}",
              tag[corner[0]], tag[corner[1]], tag[corner[2]], update->ntimestep,
-             0.5 * SKIN_SMALLEST_NORMAL, skin_remedy(update, false));
+             0.5 * SKIN_SMALLEST_NORMAL, skin_remedy(update, modify, false));
 }
 
 /* ---------------------------------------------------------------------- */

@@ -30,6 +30,10 @@ using namespace FixConst;
 
 static constexpr double SHORTEST = 1.0e-6;
 
+// nor into more parts than this: it is stable, but no step would ever end
+
+static constexpr int MOST_PARTS = 1000;
+
 // time for which there may be inverted triangles
 
 static constexpr double LONGEST_INVERTED = 2.0;
@@ -39,7 +43,7 @@ static constexpr double LONGEST_INVERTED = 2.0;
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), shortest_link(0.0),
     longest_link(INFINITY), rounding(0.0), round_every(1), cells(nullptr), stretch(nullptr),
-    bend(nullptr), steps(0), divided(0), parts(0), evaluations(0), limited(0),
+    bend(nullptr), left(false), left_as(0), disturbed(false), steps(0), divided(0), parts(0), evaluations(0), limited(0),
     slowest(1.0), beyond(0), beyond_before(0), within_steps(0), furthest_listed(0.0), offender(-1),
     inverted_time(0.0), inverted_at_start(false)
 {
@@ -135,6 +139,7 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
   double remaining = dt, part = dt;
   int nparts = 0;
 
+  if (update->ntimestep == update->firststep + 1) disturbed = left && left_as != state_of_atoms();
   note_lists();
   if (!unproven.empty()) check_repeatable();
   while (remaining > 0.0) {
@@ -147,6 +152,8 @@ void FixSkinMotion::initial_integrate(int /*vflag*/)
 
     nparts++;
     remaining = (part < remaining) ? remaining - part : 0.0;
+    if (nparts == MOST_PARTS && remaining > 0.0)
+      unstable(latest, (dt - remaining) / nparts, false);
     if (remaining > 0.0) evaluate_forces(-remaining);
     part *= 2.0;    // a part after a short one may be longer again
   }
@@ -309,13 +316,14 @@ FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
 }
 
 /* ----------------------------------------------------------------------
-   longest of the moves of all ranks, and whose it is
+   longest of the moves of all ranks, and whose it is; kept
 ------------------------------------------------------------------------- */
 
 FixSkinMotion::Move FixSkinMotion::furthest(double mine)
 {
   Move local = {mine, comm->me}, all = {};
   MPI_Allreduce(&local, &all, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
+  latest = all;
   return all;
 }
 

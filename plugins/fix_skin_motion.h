@@ -6,6 +6,7 @@
 #include "skin_build.h"
 #include "skin_stages.h"
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ class FixSkinMotion : public Fix {
   void unpack_reverse_comm(int, int *, double *) override;
   double compute_vector(int) override;
   double memory_usage() override;
+
+  bool begins_disturbed() const;
 
  private:
   SkinStages method;
@@ -58,6 +61,12 @@ class FixSkinMotion : public Fix {
   };
   std::vector<Term> unproven;    // computed once more to see whether it is the same
 
+  // whether there was a run since the last set-up, how it left the atoms, and how the next found them
+
+  bool left;
+  uint64_t left_as;
+  bool disturbed;
+
   // what happened since the fix was defined
 
   bigint steps, divided, parts, evaluations;
@@ -72,6 +81,7 @@ class FixSkinMotion : public Fix {
     double length;
     int rank;
   };
+  Move latest;               // what `furthest` has found last
   int offender;              // my particle that moved furthest, or -1
   double inverted_time;      // for how long there have been inverted triangles
   bool inverted_at_start;    // since before the first step
@@ -96,6 +106,7 @@ class FixSkinMotion : public Fix {
   void evaluate_forces(double);
   void check_links() const;
   void check_box() const;
+  uint64_t state_of_atoms() const;
   void unstable(const Move &, double, bool at_start);
   Term pair_term() const;
   Term fix_term(class Fix *) const;

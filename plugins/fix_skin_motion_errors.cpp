@@ -5,6 +5,7 @@
 #include "bond_skin_stretch.h"
 #include "dihedral_skin_bend.h"
 #include "fix_skin_cells.h"
+#include "skin_random.h"
 #include "skin_remedy.h"
 
 #include "atom.h"
@@ -12,11 +13,14 @@
 #include "domain.h"
 #include "error.h"
 #include "force.h"
+#include "modify.h"
 #include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -38,6 +42,7 @@ void FixSkinMotion::setup_pre_force(int /*vflag*/)
 
 void FixSkinMotion::setup(int /*vflag*/)
 {
+  left = false;
   if (inverted_time == 0.0) inverted_at_start = bend && bend->find_inverted();
 }
 
@@ -66,7 +71,7 @@ void FixSkinMotion::check_links() const
                  "Fix skin/motion: the link of atoms {} and {} has length {} on step {}, it must "
                  "be between {} and {}{}",
                  atom->tag[i], atom->tag[j], r, update->ntimestep, shortest_link, longest_link,
-                 skin_remedy(update, false));
+                 skin_remedy(update, modify, false));
   }
 }
 
@@ -102,11 +107,43 @@ bool FixSkinMotion::ends_badly()
 }
 
 /* ----------------------------------------------------------------------
+   a number that changes with the ID or position of any atom, whatever their order
+------------------------------------------------------------------------- */
+
+uint64_t FixSkinMotion::state_of_atoms() const
+{
+  uint64_t mine = 0, all = 0;
+  for (int i = 0; i < atom->nlocal; i++) {
+    uint64_t word = (uint64_t) atom->tag[i];
+    for (int d = 0; d < 3; d++) {
+      uint64_t bits;
+      std::memcpy(&bits, &atom->x[i][d], sizeof(bits));
+      word = SkinRandom::mix(word ^ bits);
+    }
+    mine += word;
+  }
+  MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, world);
+  return all;
+}
+
+/* ----------------------------------------------------------------------
+   whether other commands have moved atoms since the last run, and this is the first step after it,
+   without a set-up that would have looked at them
+------------------------------------------------------------------------- */
+
+bool FixSkinMotion::begins_disturbed() const
+{
+  return disturbed && update->ntimestep == update->firststep + 1;
+}
+
+/* ----------------------------------------------------------------------
    particles that moved further than the neighbor lists of their step allow: told after the run
 ------------------------------------------------------------------------- */
 
 void FixSkinMotion::post_run()
 {
+  left = true;
+  left_as = state_of_atoms();
   bigint mine = beyond - beyond_before, all = 0;
   double furthest = 0.0;
   MPI_Allreduce(&mine, &all, 1, MPI_LMP_BIGINT, MPI_SUM, world);
@@ -139,5 +176,5 @@ void FixSkinMotion::unstable(const Move &move, double part, bool at_start)
              "Fix skin/motion: the run is unstable on step {}: the force on atom {} of type {} is "
              "{}, most of it from {}, which would need a timestep of {}{}",
              update->ntimestep, (tagint) what[0], (int) what[1], what[2], term, part,
-             skin_remedy(update, at_start));
+             skin_remedy(update, modify, at_start));
 }

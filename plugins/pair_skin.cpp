@@ -142,7 +142,7 @@ void PairSkin::check_overlap() const
                    "Pair {}: atoms {} and {} of types {} and {} overlap on step {}: their distance "
                    "is {}, less than {}{}",
                    style, atom->tag[i], atom->tag[j], atom->type[i], atom->type[j],
-                   update->ntimestep, r, within, skin_remedy(update, at_start));
+                   update->ntimestep, r, within, skin_remedy(update, modify, at_start));
     }
   }
 }

@@ -1,9 +1,12 @@
 // What an error that ends a run recommends: a smaller timestep, unless the fault was there before
-// any step was made. A minimisation has none.
+// any step was made, or another fix moves particles, too. A minimisation has none.
 
 #ifndef LMP_SKIN_REMEDY_H
 #define LMP_SKIN_REMEDY_H
 
+#include "fix_skin_motion.h"
+
+#include "modify.h"
 #include "update.h"
 
 #include <string>
@@ -15,6 +18,17 @@ inline std::string skin_remedy(const Update *update, bool at_start)
   if (update->whichflag != 1) return "";
   if (update->setupflag || at_start) return "; the state that this run began with is like that";
   return fmt::format("; try a smaller timestep than {}", update->dt);
+}
+
+inline std::string skin_remedy(const Update *update, Modify *modify, bool at_start)
+{
+  bool moved = false;
+  for (Fix *fix : modify->get_fix_list())
+    if (const auto *const motion = dynamic_cast<FixSkinMotion *>(fix))
+      at_start = at_start || motion->begins_disturbed();
+    else if (fix->time_integrate)
+      moved = true;
+  return moved && !at_start && !update->setupflag ? "" : skin_remedy(update, at_start);
 }
 
 }    // namespace LAMMPS_NS

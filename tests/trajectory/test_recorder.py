@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 import errno
-import io
 import os
 import shutil
-import signal
-import subprocess
-import sys
-import time
 from contextlib import ExitStack
 from pathlib import Path
-from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -22,15 +15,10 @@ from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.run.simulation import Simulation
-from lammps_skin.trajectory import writer as writer_module
-from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.frame import CELL_STATE
 from lammps_skin.trajectory.recorder import Recorder
 from lammps_skin.trajectory.store import Store
-from lammps_skin.trajectory.universe import open_trajectory
-from lammps_skin.trajectory.writer import TrajectoryWriter
 
-from tests.cells.conftest import lmp
 from tests.trajectory.conftest import (
     FRAMES,
     INTERVAL,
@@ -41,7 +29,6 @@ from tests.trajectory.conftest import (
     same,
 )
 
-SKIN = [sys.executable, "-c", "from lammps_skin.cli import main; main()"]
 IO = Path("/proc/self/io")
 
 
@@ -221,229 +208,6 @@ def test_no_frame_goes_back(run, built):
 def test_an_interval_that_cannot_be_is_refused(run, interval):
     with pytest.raises(SkinError, match=f"variable dump_interval = {interval}: must be a number"):
         Simulation.begin(run.scene, variables={"dump_interval": interval})
-
-
-# ---- resuming
-
-
-def newest_restart(directory: Path) -> str:
-    return max(directory.glob("skin.*.restart"), key=lambda file: file.stat().st_mtime_ns).name
-
-
-@pytest.mark.parametrize(
-    "ways",
-    [("python", "python"), ("python", "lmp"), ("lmp", "python"), ("lmp", "python", "lmp"),
-     ("python", "lmp", "python", "lmp")],
-    ids="-".join,
-)  # fmt: skip
-def test_resumed_runs_go_on_in_one_trajectory(run, built, ways):
-    """Frames after the restart file's step are replaced, and none is there twice."""
-    given = {"checkpoint_interval": 2.0}
-
-    def by(way: str, until: float, **more: object) -> None:
-        if way == "python":
-            with Simulation.begin_built(built, variables={**given, **more}) as simulation:
-                simulation.run(until)
-        else:
-            values = {**given, **more, "end_time": until}.items()
-            ended = lmp(built, *(word for k, v in values for word in ("-var", k, str(v))))
-            assert ended.returncode == 0, ended.stdout
-
-    by(ways[0], 2.5)
-    for n, way in enumerate(ways[1:]):
-        by(way, 4.5 + 2 * n, restart=newest_restart(built))
-    if ways[-1] == "lmp":
-        convert(built)
-    store = Store(built / "skin.h5")
-    assert store.steps.tolist() == list(range(0, 200 * len(ways) + 51, 50))
-    for frame, truth in zip(store, run.frames, strict=False):
-        np.testing.assert_array_equal(frame.ids, truth.ids)
-        np.testing.assert_allclose(frame.positions, truth.positions, atol=1e-9)
-    assert store.slots == max(int(frame.ids.max()) for frame in run.frames[: len(store)])
-
-
-def test_a_damaged_file_is_not_overwritten(run, built):
-    shutil.copy(run.directory / "skin.dump", built)
-    (built / "skin.h5").write_bytes(b"what can perhaps be saved")
-    convert(built)
-    assert len(Store(built / "skin.h5")) == FRAMES
-    assert (built / "skin.h5.damaged").read_bytes() == b"what can perhaps be saved"
-
-
-def test_dates_of_files_do_not_decide_where_a_trajectory_goes_on(run, built):
-    """Python, lmp and Python again; skin.h5 is dated after the dump."""
-    given = {"checkpoint_interval": 2.0}
-    with Simulation.begin_built(built, variables=given) as simulation:
-        simulation.run(4.0)
-    restart = newest_restart(built)
-    values = {**given, "end_time": 6.5, "restart": restart}.items()
-    assert lmp(built, *(word for k, v in values for word in ("-var", k, str(v)))).returncode == 0
-    os.utime(built / "skin.h5", (2**32, 2**32))
-    restart = max(built.glob("skin.[12].restart"), key=lambda file: file.stat().st_mtime_ns).name
-    with Simulation.begin_built(built, variables={**given, "restart": restart}) as simulation:
-        simulation.run(7.0)
-    assert Store(built / "skin.h5").steps.tolist() == list(range(0, 701, 50))
-
-
-def test_a_dump_does_not_replace_what_has_gone_on_after_it(run, built):
-    shutil.copy(run.directory / "skin.dump", built)
-    shutil.copy(run.directory / "skin.h5", built)
-    convert(built)  # as far as the dump: it may be made again
-    later = dataclasses.replace(run.frames[-1], step=5000, time=50.0)
-    with TrajectoryWriter.append(built / "skin.h5") as writer:
-        writer.write(later)
-    with pytest.raises(SkinError, match=r"skin\.h5: has gone on after .*skin\.dump was written"):
-        convert(built)
-    assert len(Store(built / "skin.h5")) == FRAMES + 1
-    convert(built, built / "other.h5")
-    assert len(Store(built / "other.h5")) == FRAMES
-
-
-def test_frames_are_cut_back(run, tmp_path):
-    path = tmp_path / "a.h5"
-    with TrajectoryWriter(path, run.scene, *np.empty((2, 0, 2), int)) as writer:
-        for frame in run.frames:
-            writer.write(frame)
-    for until, kept in ((10_000, FRAMES), (849, 17), (400, 9)):
-        with TrajectoryWriter.append(path, until) as writer:
-            assert writer.frames == kept and writer.last_step == run.frames[kept - 1].step
-            assert writer.slots == max(int(frame.ids.max()) for frame in run.frames[:kept])
-    with TrajectoryWriter.append(path) as writer:
-        with pytest.raises(SkinError, match="of step 400 cannot come after that of step 400"):
-            writer.write(run.frames[8])
-        for frame in run.frames[9:]:
-            writer.write(frame)
-    assert equal(Store(path), run.frames)
-    with pytest.raises(SkinError, match="is no trajectory in HDF5"):
-        h5py.File(tmp_path / "b.h5", "w").close()
-        TrajectoryWriter.append(tmp_path / "b.h5")
-
-
-# ---- mishaps
-
-
-def moments_of_writing(monkeypatch: pytest.MonkeyPatch, tick) -> None:
-    """Call `tick` before and after everything that changes a file, in HDF5 each single write."""
-
-    def around(function):
-        def wrapped(*arguments, **more):
-            tick()
-            result = function(*arguments, **more)
-            tick()
-            return result
-
-        return wrapped
-
-    class Watched(io.FileIO):
-        write = around(io.FileIO.write)
-
-    opened = h5py.File
-    modes = {"w": "w+b", "r+": "r+b"}
-    watched = lambda path, mode: opened(Watched(path, modes[mode]), mode)  # noqa: E731
-    monkeypatch.setattr(
-        writer_module, "h5py", SimpleNamespace(File=watched, string_dtype=h5py.string_dtype)
-    )
-    for module, name in ((os, "link"), (shutil, "copyfile"), (Path, "replace")):
-        monkeypatch.setattr(module, name, around(getattr(module, name)))
-
-
-def test_killed_at_any_moment_the_file_is_complete(run, built, monkeypatch):
-    """A process of its own is killed in the middle of what it writes, everywhere."""
-    ticks = 0
-
-    def count() -> None:
-        nonlocal ticks
-        ticks += 1
-
-    with monkeypatch.context() as patch:
-        moments_of_writing(patch, count)
-        frames = replay(run, Recorder(built, run.scene, {}))
-        per_frame = [ticks for _ in zip(range(5), frames, strict=False)]
-    assert per_frame[-1] > 200
-    for last in np.linspace(per_frame[0] + 1, per_frame[-1], 24).astype(int).tolist():
-        written = killed_after(last, run, built, monkeypatch)
-        assert written == sum(n < last for n in per_frame)
-        store = Store(built / "skin.h5")
-        assert len(store) in (written, written + 1)
-        assert all(map(same, store, run.frames))
-
-
-def killed_after(last: int, run, built: Path, monkeypatch) -> int:
-    """Record in a child that kills itself at a tick; number of frames that it had finished."""
-    receiving, sending = os.pipe()
-    child = os.fork()
-    if child == 0:
-        ticks = 0
-
-        def kill() -> None:
-            nonlocal ticks
-            ticks += 1
-            if ticks == last:
-                os.kill(os.getpid(), signal.SIGKILL)
-
-        moments_of_writing(monkeypatch, kill)
-        for _ in replay(run, Recorder(built, run.scene, {})):
-            os.write(sending, b".")
-        os._exit(0)
-    os.close(sending)
-    with os.fdopen(receiving, "rb") as pipe:
-        written = len(pipe.read())
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == -signal.SIGKILL
-    return written
-
-
-def test_a_killed_command_leaves_its_frames(tmp_path):
-    settings = (
-        "membrane.lattice=[12,14]",
-        "output.dump_interval=0.01",
-        "numerics.accuracy=reference",
-    )
-    changes = [word for setting in settings for word in ("--set", setting)]
-    command = [*SKIN, "run", "two-cells", *changes, "--until", "10000", "-o", str(tmp_path / "x")]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-    path, deadline = tmp_path / "x" / "skin.h5", time.monotonic() + 60
-    while not (path.exists() and len(Store(path)) > 5) and time.monotonic() < deadline:
-        time.sleep(0.02)
-    process.kill()
-    process.wait()
-    store = Store(path)
-    assert store.steps.tolist() == list(range(len(store))) and len(store) > 5
-    assert len(open_trajectory(path).trajectory) == len(store)
-    assert all(np.isfinite(frame.positions).all() and len(frame.ids) == 170 for frame in store)
-
-
-def test_a_failure_to_write_loses_nothing(run, built, monkeypatch):
-    """And the next frame is written as if nothing had been."""
-    recorder = Recorder(built, run.scene, {})
-    engine = Replay(zip(run.particles, run.cells, run.next_ids, strict=True))
-    for n in range(6):
-        with monkeypatch.context() as patch:
-            if n in (2, 4):
-                full = OSError(28, "No space left on device")
-                patch.setattr(
-                    TrajectoryWriter, "_append", lambda *_, e=full: (_ for _ in ()).throw(e)
-                )
-                with pytest.raises(SkinError, match=r"skin\.h5: No space left on device"):
-                    recorder.record(engine)
-                assert len(Store(built / "skin.h5")) == n
-        recorder.record(engine)
-        engine.advance()
-    assert all(map(same, Store(built / "skin.h5"), run.frames))
-    assert len(Store(built / "skin.h5")) == 6
-
-
-def test_who_reads_during_a_run_is_not_disturbed(run, built):
-    """What was open stays as it was; what is opened now has all frames."""
-    opened = {}
-    for n in replay(run, Recorder(built, run.scene, {})):
-        if n in (1, 2, 7):
-            opened[n] = open_trajectory(built)
-        assert len(Store(built / "skin.h5")) == n
-    assert equal(Store(built / "skin.h5"), run.frames)
-    for n, universe in opened.items():
-        assert len(universe.trajectory) == n
-        for ts, frame in zip(universe.trajectory, run.frames, strict=False):
-            np.testing.assert_array_equal(ts.data["position"][frame.ids - 1], frame.positions)
 
 
 # ---- cost

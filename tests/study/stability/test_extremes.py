@@ -32,6 +32,7 @@ TOUGH = {
     },
 }  # fmt: skip
 STIFF_CELLS = r"unstable on step \d+: .* most of it from pair forces with atom \d+ of type [23] "
+STIFF_SPRINGS = r"unstable on step \d+: .* most of it from division springs, which would need"
 THROWN = "the state that this run began with is like that"
 BEYOND = {  # what not every level can run: how each ends
     "no binding": (
@@ -44,6 +45,10 @@ BEYOND = {  # what not every level can run: how each ends
     "cells x 1e8": (
         {"cells.exclusion_stiffness": 4e7, "cells.membrane_exclusion_stiffness": 4e7},
         {"reference": STIFF_CELLS, "balanced": STIFF_CELLS, "fast": ""},
+    ),
+    "division springs x 4e6": (  # steps of ten thousands of parts would be stable
+        {"cells.division_stiffness": 2e7},
+        {"reference": STIFF_SPRINGS, "balanced": STIFF_SPRINGS, "fast": STIFF_SPRINGS},
     ),
 }  # fmt: skip
 CROWD = r"unstable on step 1: .* pair forces with atom \d+ of type 3 at a distance of 0\.\d+, "
