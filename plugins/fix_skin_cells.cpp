@@ -26,12 +26,10 @@ using namespace FixConst;
 /* ---------------------------------------------------------------------- */
 
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
-    Fix(lmp, narg, arg), seed(0), type_of_kind{}, membrane_type(0), contact(0.0), core(0.0),
-    adhesion_stiffness(0.0), adhesion_range(0.0), binding_stiffness(0.0), cycle_delay(0.0),
-    cycle_rate(0.0), first_phase(0.0), spring_stiffness(0.0), spring_start(0.0),
-    spring_rate(0.0), spring_end(0.0),
-    half_separation(0.0), generations(0), every(1), inherited_groups(0), next_id(0), births(0),
-    deaths(0), state{}, log(lmp), log_position(-1), setup_time(0.0), time_offset(0.0),
+    Fix(lmp, narg, arg), seed(0), membrane_type(0), kinds(lmp), contact(0.0), core(0.0),
+    spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
+    half_separation(0.0), every(1), inherited_groups(0), next_id(0), births(0), deaths(0), state{},
+    log(lmp), log_position(-1), setup_time(0.0), time_offset(0.0),
     known_atoms(0), energy{}, energy_all{}, energy_summed(false), nmax(0), rearranged(true)
 {
   parse(narg, arg);
@@ -50,7 +48,7 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
   scalar_flag = 1;
   extscalar = 1;
   vector_flag = 1;
-  size_vector = NTERMS + 8;
+  size_vector = NTERMS + 4 + kinds.size();
   extvector = 1;
   global_freq = 1;
 
@@ -128,7 +126,7 @@ void FixSkinCells::refresh_state()
 
 int FixSkinCells::kind_of(int i) const
 {
-  return (atom->mask[i] & groupbit) ? kind_of_type[atom->type[i]] : NONE;
+  return (atom->mask[i] & groupbit) ? kinds.of_type(atom->type[i]) : NONE;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -318,8 +316,8 @@ double FixSkinCells::compute_scalar()
 }
 
 /* ----------------------------------------------------------------------
-   energies of adhesion, binding, division; numbers of stem, TA, exhausted and ND cells and of
-   dividing pairs; births and deaths since the start; the ID of the next newborn
+   energies of adhesion, binding, division; number of dividing pairs; births and deaths since the
+   start; the ID of the next newborn; numbers of cells of each kind
 ------------------------------------------------------------------------- */
 
 double FixSkinCells::compute_vector(int n)
@@ -331,9 +329,9 @@ double FixSkinCells::compute_vector(int n)
   }
 
   n -= NTERMS;
-  if (n == 5) return (double) births;
-  if (n == 6) return (double) deaths;
-  if (n == 7) {
+  if (n == 1) return (double) births;
+  if (n == 2) return (double) deaths;
+  if (n == 3) {
     skip_used_ids();
     return (double) next_id;
   }
@@ -341,10 +339,10 @@ double FixSkinCells::compute_vector(int n)
   refresh_state();
   int count = 0, count_all;
   for (int i = 0; i < atom->nlocal; i++)
-    if (n == 4) count += (kind_of(i) != NONE && state.pair[i] != 0);
-    else count += (kind_of(i) == n + 1);
+    if (n == 0) count += (kind_of(i) != NONE && state.pair[i] != 0);
+    else count += (kind_of(i) == n - 3);
   MPI_Allreduce(&count, &count_all, 1, MPI_INT, MPI_SUM, world);
-  return n == 4 ? 0.5 * count_all : count_all;
+  return n == 0 ? 0.5 * count_all : count_all;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -4,6 +4,7 @@
 #include "fix.h"
 
 #include "skin_cell_events.h"
+#include "skin_cell_kinds.h"
 #include "skin_cell_state.h"
 #include "skin_event_log.h"
 #include "skin_nearest.h"
@@ -18,6 +19,7 @@ class FixSkinCells : public Fix {
   FixSkinCells(class LAMMPS *, int, char **);
   ~FixSkinCells() override;
   int setmask() override;
+  int modify_param(int, char **) override;
   void post_constructor() override;
   void init() override;
   void setup_pre_neighbor() override;
@@ -53,7 +55,7 @@ class FixSkinCells : public Fix {
   void add_forces(int which, int eflag = 0, int vflag = 0);
 
  private:
-  enum Kind { NONE, STEM, TA, EXHAUSTED, ND, NKINDS };
+  static constexpr int NONE = 0;    // kind of what is no cell
   enum Term { ADHESION, BINDING, DIVISION, NTERMS };
   static constexpr int NCOLUMNS = 8;    // of the per-atom array
   static constexpr int NSTORED = 5;     // values in a restart file, of which the first is this:
@@ -62,17 +64,13 @@ class FixSkinCells : public Fix {
   // settings
 
   bigint seed;
-  int type_of_kind[NKINDS], membrane_type;
-  std::vector<int> kind_of_type;
+  int membrane_type;
+  SkinCellKinds kinds;
   double contact;                                        // cell-membrane contact length
   double core;                                           // closest that a cell may come to it
-  double adhesion_stiffness, adhesion_range;             // K and lambda of adhesion
-  double binding_stiffness;                              // K of binding
-  double cycle_delay, cycle_rate, first_phase;           // T0, gamma, first elapsed times
   double spring_stiffness, spring_start, spring_rate;    // division spring
   double spring_end;                                     // its length when the division ends
   double half_separation;                                // of a newborn pair
-  int generations;                                       // M
   int every;                                             // steps between event steps
   int inherited_groups;    // bits of groups in which a daughter is if her mother is
 
@@ -138,7 +136,8 @@ class FixSkinCells : public Fix {
   // events
 
   void schedule_first(int);
-  double wait(tagint, int) const;
+  double wait(const SkinCellKind &, tagint, int) const;
+  double next_division(int, double, int) const;
   double pair_end_time(int) const;
   bool detached(int) const;
   bool divides_by(int, double) const;
@@ -167,7 +166,7 @@ class FixSkinCells : public Fix {
   tagint new_id();
   void give_birth(const std::vector<SkinCellEvent> &);
   void divide_mother(int, const SkinCellEvent &, tagint);
-  void start_daughter(int, const SkinCellEvent &, tagint);
+  void start_daughter(int, const SkinCellEvent &);
 };
 
 }    // namespace LAMMPS_NS

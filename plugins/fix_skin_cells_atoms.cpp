@@ -103,8 +103,7 @@ void FixSkinCells::pre_neighbor()
   refresh_state();
   end_widowed_pairs();
   for (int i = 0; i < atom->nlocal; i++) {
-    const int kind = kind_of(i);
-    if (kind == NONE) continue;
+    if (kind_of(i) == NONE) continue;
     start_created_cell(i);
     if (state.pair[i]) hide(i, state.pair[i]);
   }
@@ -124,8 +123,7 @@ void FixSkinCells::min_pre_neighbor()
 
 void FixSkinCells::start_created_cell(int i)
 {
-  const int kind = kind_of(i);
-  const bool divides = kind == STEM || kind == TA;
+  const bool divides = kinds[kind_of(i)].divides();
   const bool all_zero = state.all_zero(i);
   if (all_zero) {
     check_cell(i);

@@ -41,13 +41,13 @@ SkinCellEvent FixSkinCells::division_of(int i, const SkinNearest::Neighbor &clos
   const double angle = 2.0 * M_PI *
       SkinRandom::uniform(seed, atom->tag[i], number, SkinRandom::ORIENTATION);
 
-  const bool stem = kind_of(i) == STEM;
+  const SkinCellKinds::Stage stage = {kind_of(i), state.divisions_left[i]};
   SkinCellEvent event = death_of(i);
   event.kind = SkinCellEvent::BIRTH;
   event.time = state.next_division[i];
   if (state.pair[i]) event.time = std::max(event.time, pair_end_time(i));
-  event.divisions_left = stem ? generations : state.divisions_left[i] - 1;
-  event.type = type_of_kind[event.divisions_left > 0 ? TA : EXHAUSTED];
+  event.mother = kinds.after_division(stage);
+  event.cell = kinds.newborn(stage);
   for (int d = 0; d < 3; d++) {
     const double step = half_separation * (std::cos(angle) * u[d] + std::sin(angle) * v[d]);
     event.x[d] = x[d] + step;
@@ -106,7 +106,7 @@ void FixSkinCells::give_birth(const std::vector<SkinCellEvent> &newborn)
   std::vector<double> sites(3 * n);
   for (int k = 0; k < n; k++) {
     ids[k] = (tagint) (next_id - n + k);
-    types[k] = newborn[k].type;
+    types[k] = kinds[newborn[k].cell.kind].type;
     std::copy(newborn[k].site, newborn[k].site + 3, &sites[3 * k]);
   }
 
@@ -124,7 +124,7 @@ void FixSkinCells::give_birth(const std::vector<SkinCellEvent> &newborn)
     if (mother < 0) continue;
     SkinAtomCopy::copy(lmp, mother, daughter);
     divide_mother(mother, newborn[k], ids[k]);
-    start_daughter(daughter, newborn[k], ids[k]);
+    start_daughter(daughter, newborn[k]);
   }
   births += n;
 }
@@ -133,13 +133,10 @@ void FixSkinCells::give_birth(const std::vector<SkinCellEvent> &newborn)
 
 void FixSkinCells::divide_mother(int i, const SkinCellEvent &event, tagint daughter)
 {
-  if (kind_of(i) == TA) {
-    state.divisions_left[i] = event.divisions_left;
-    atom->type[i] = event.type;
-  }
+  atom->type[i] = kinds[event.mother.kind].type;
+  state.divisions_left[i] = event.mother.divisions_left;
   const int number = ++state.divisions_done[i];
-  state.next_division[i] = (kind_of(i) == EXHAUSTED) ? SkinCellState::NEVER
-                                                     : event.time + wait(event.id, number);
+  state.next_division[i] = next_division(i, event.time, number);
   state.pair[i] = daughter;
   state.pair_start[i] = event.time;
   hide(i, daughter);
@@ -148,11 +145,11 @@ void FixSkinCells::divide_mother(int i, const SkinCellEvent &event, tagint daugh
 
 /* ---------------------------------------------------------------------- */
 
-void FixSkinCells::start_daughter(int i, const SkinCellEvent &event, tagint id)
+void FixSkinCells::start_daughter(int i, const SkinCellEvent &event)
 {
   atom->mask[i] = 1 | groupbit | (atom->mask[i] & inherited_groups);
   std::copy(event.x, event.x + 3, atom->x[i]);
-  state.divisions_left[i] = event.divisions_left;
+  state.divisions_left[i] = event.cell.divisions_left;
   state.divisions_done[i] = 0;
   state.parent[i] = event.id;
   state.pair[i] = event.id;
@@ -160,6 +157,5 @@ void FixSkinCells::start_daughter(int i, const SkinCellEvent &event, tagint id)
   hide(i, event.id);
   state.birth_time[i] = event.time;
   state.detached_time[i] = SkinCellState::NEVER;
-  state.next_division[i] = (kind_of(i) == EXHAUSTED) ? SkinCellState::NEVER
-                                                     : event.time + wait(id, 0);
+  state.next_division[i] = next_division(i, event.time, 0);
 }

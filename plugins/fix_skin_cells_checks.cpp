@@ -19,8 +19,6 @@
 
 using namespace LAMMPS_NS;
 
-static const char *const KIND_NAMES[] = {"none", "stem", "ta", "exhausted", "nd"};
-
 /* ----------------------------------------------------------------------
    what a cell says of itself
 ------------------------------------------------------------------------- */
@@ -31,9 +29,9 @@ void FixSkinCells::check_cell(int i) const
   const int m = state.divisions_left[i];
   if (kind == NONE) return;
 
-  if ((kind == TA && m <= 0) || (kind == EXHAUSTED && m != 0) || m < 0)
+  if (m < 0 || (kinds[kind].limited() && m == 0) || (kinds[kind].spent && m != 0))
     error->one(FLERR, "Fix skin/cells: cell {} is of kind {} and has {} divisions left",
-               atom->tag[i], KIND_NAMES[kind], m);
+               atom->tag[i], kinds[kind].name, m);
   if (state.pair[i] == atom->tag[i] || state.pair[i] < 0 || state.pair[i] >= next_id)
     error->one(FLERR, "Fix skin/cells: cell {} is paired with {}, which is no other cell",
                atom->tag[i], state.pair[i]);
@@ -110,7 +108,7 @@ double FixSkinCells::ghost_cutoff() const
 
 void FixSkinCells::check_reach() const
 {
-  const double reach = adhesion_range * contact + 2.0 * neighbor->skin;
+  const double reach = kinds.longest_range() * contact + 2.0 * neighbor->skin;
   if (comm->mode != Comm::SINGLE)
     error->all(FLERR, "Fix skin/cells needs one communication cutoff for all types: use "
                "comm_modify mode single");

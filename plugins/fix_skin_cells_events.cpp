@@ -15,10 +15,6 @@
 
 using namespace LAMMPS_NS;
 
-// the model's number of a kind of cell: 3 stem, 4 TA, 5 exhausted TA, 6 ND
-
-static constexpr int MODEL_TYPE_OFFSET = 2;
-
 /* ----------------------------------------------------------------------
    a cell that can divide but has no schedule is in the first generation: the time since its
    last division is uniform, and the wait that remains is that of the cycle
@@ -27,19 +23,30 @@ static constexpr int MODEL_TYPE_OFFSET = 2;
 void FixSkinCells::schedule_first(int i)
 {
   const tagint id = atom->tag[i];
-  const double elapsed = first_phase * SkinRandom::uniform(seed, id, 0, SkinRandom::FIRST_PHASE);
-  const double exponential = wait(id, 0) - cycle_delay;
-  state.next_division[i] = now() + std::max(cycle_delay - elapsed, 0.0) + exponential;
+  const SkinCellKind &kind = kinds[kind_of(i)];
+  const double elapsed = kind.first_phase * SkinRandom::uniform(seed, id, 0, SkinRandom::FIRST_PHASE);
+  const double exponential = wait(kind, id, 0) - kind.cycle_delay;
+  state.next_division[i] = now() + std::max(kind.cycle_delay - elapsed, 0.0) + exponential;
 }
 
 /* ----------------------------------------------------------------------
    time from a division of a cell to its next: T0 + Exp(gamma)
 ------------------------------------------------------------------------- */
 
-double FixSkinCells::wait(tagint id, int event) const
+double FixSkinCells::wait(const SkinCellKind &kind, tagint id, int event) const
 {
-  return cycle_delay -
-      std::log(SkinRandom::uniform(seed, id, event, SkinRandom::WAIT)) / cycle_rate;
+  return kind.cycle_delay -
+      std::log(SkinRandom::uniform(seed, id, event, SkinRandom::WAIT)) / kind.cycle_rate;
+}
+
+/* ----------------------------------------------------------------------
+   time of the division after that of a given time, the last of so many
+------------------------------------------------------------------------- */
+
+double FixSkinCells::next_division(int i, double time, int number) const
+{
+  const SkinCellKind &kind = kinds[kind_of(i)];
+  return kind.divides() ? time + wait(kind, atom->tag[i], number) : SkinCellState::NEVER;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -53,16 +60,14 @@ double FixSkinCells::pair_end_time(int i) const
 
 bool FixSkinCells::detached(int i) const
 {
-  const int kind = kind_of(i);
-  return (kind == TA || kind == EXHAUSTED) && state.detached_time[i] >= 0.0;
+  return kinds[kind_of(i)].detaches() && state.detached_time[i] >= 0.0;
 }
 
 /* ---------------------------------------------------------------------- */
 
 bool FixSkinCells::divides_by(int i, double time) const
 {
-  const int kind = kind_of(i);
-  return (kind == STEM || kind == TA) && state.next_division[i] >= 0.0 &&
+  return kinds[kind_of(i)].divides() && state.next_division[i] >= 0.0 &&
       state.next_division[i] <= time;
 }
 
@@ -178,8 +183,7 @@ SkinCellEvent FixSkinCells::death_of(int i) const
   event.id = atom->tag[i];
   event.other = state.pair[i];
   event.parent = state.parent[i];
-  event.type = atom->type[i];
-  event.divisions_left = state.divisions_left[i];
+  event.cell = {kind_of(i), state.divisions_left[i]};
   std::copy(atom->x[i], atom->x[i] + 3, event.x);
   return event;
 }
@@ -191,8 +195,8 @@ void FixSkinCells::log_event(const SkinCellEvent &event, const char *kind, tagin
 {
   double x[3] = {event.x[0], event.x[1], event.x[2]};
   domain->remap(x);
-  log.write(event.time, kind, id, parent, kind_of_type[event.type] + MODEL_TYPE_OFFSET, x,
-            event.divisions_left, cause);
+  log.write(event.time, kind, id, parent, kinds[event.cell.kind].number, x,
+            event.cell.divisions_left, cause);
 }
 
 /* ----------------------------------------------------------------------

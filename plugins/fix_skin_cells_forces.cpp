@@ -65,31 +65,27 @@ void FixSkinCells::min_pre_reverse(int eflag, int vflag)
 
 void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
 {
-  const int kind = kind_of(i);
-  if (kind == NONE) return;
-  const bool bound = (kind == STEM || kind == ND);
+  if (kind_of(i) == NONE) return;
+  const SkinCellKind &kind = kinds[kind_of(i)];
   const double r = closest.index < 0 ? INFINITY : std::sqrt(closest.distsq);
   const double stretch = r / contact - 1.0;
   if (r < core && time_offset == 0.0) pierced(i, closest, r);
-  double slope = 0.0;    // du/d(stretch), times K
+  const double end = kind.detachment - 1.0;
 
-  if (bound) {
+  if (!kind.detaches()) {
     if (!(r <= reach()) && time_offset == 0.0) lost(i, r);
-    if (stretch > 0.0) {
-      tally_energy(BINDING, i, 0.5 * binding_stiffness * stretch * stretch);
-      slope = binding_stiffness * stretch;
-    }
-  } else {
-    const double width = adhesion_range - 1.0;
-    if (!(stretch <= width) && state.detached_time[i] < 0.0 && update->whichflag == 1)
-      state.detached_time[i] = now();
-    if (kind == TA && stretch > 0.0) {
-      const double s = std::min(stretch, width), q = s * s / (width * width);
-      tally_energy(ADHESION, i, 0.5 * adhesion_stiffness * s * s * (1.0 - 0.5 * q));
-      slope = adhesion_stiffness * s * (1.0 - q);
-    }
+  } else if (!(stretch <= end) && state.detached_time[i] < 0.0 && update->whichflag == 1) {
+    state.detached_time[i] = now();
   }
+  if (kind.law == SkinCellKind::NO_LAW || !(stretch > 0.0)) return;
 
+  // no force beyond the range of the law, nor on a cell that has left
+
+  const double width = kind.range - 1.0, s = std::min({stretch, width, end});
+  const double q = kind.law == SkinCellKind::ADHESIVE ? s * s / (width * width) : 0.0;
+  const int term = kind.law == SkinCellKind::ADHESIVE ? ADHESION : BINDING;
+  tally_energy(term, i, 0.5 * kind.stiffness * s * s * (1.0 - 0.5 * q));
+  const double slope = stretch > end ? 0.0 : kind.stiffness * s * (1.0 - q);
   if (slope != 0.0 && closest.index >= 0) add_pair_force(i, closest.index, -slope / (contact * r));
 }
 
@@ -112,9 +108,9 @@ bool FixSkinCells::any_astray()
   for (int k = 0; k < (int) cells.size(); k++) {
     const SkinNearest::Neighbor closest =
         nearest.nearest_candidate(k, atom->x[cells[k]], atom->x[0], atom->tag);
-    const int kind = kind_of(cells[k]);
+    const bool stays = !kinds[kind_of(cells[k])].detaches();
     const bool known = closest.index >= 0 && closest.distsq <= reach() * reach();
-    if (((kind == STEM || kind == ND) && !known) ||
+    if ((stays && !known) ||
         (closest.index >= 0 && closest.distsq < core * core))
       return true;
   }
@@ -138,7 +134,7 @@ void FixSkinCells::lost(int i, double r) const
   error->one(FLERR, "Fix skin/cells: {} cell {} has lost the membrane on step {}: its nearest "
              "membrane particle is at {} but the ghost particles reach to {}, which comm_modify "
              "cutoff can extend{}",
-             kind_of(i) == STEM ? "stem" : "nd", atom->tag[i], update->ntimestep, r, reach(),
+             kinds[kind_of(i)].name, atom->tag[i], update->ntimestep, r, reach(),
              remedy());
 }
 

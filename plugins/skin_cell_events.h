@@ -3,6 +3,8 @@
 #ifndef LMP_SKIN_CELL_EVENTS_H
 #define LMP_SKIN_CELL_EVENTS_H
 
+#include "skin_cell_kinds.h"
+
 #include "lmptype.h"
 
 #include <mpi.h>
@@ -21,8 +23,8 @@ struct SkinCellEvent {
   tagint id;        // of the cell that dies, of the younger of a pair, of the mother
   tagint other;     // the other cell of its pair, 0 if none
   tagint parent;
-  int type;              // LAMMPS type of the cell at x
-  int divisions_left;    // its divisions left
+  SkinCellKinds::Stage cell;      // kind and divisions left of the cell at x
+  SkinCellKinds::Stage mother;    // what a birth makes of the mother
 
   bool operator<(const SkinCellEvent &) const;
 

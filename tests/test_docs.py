@@ -222,6 +222,9 @@ def test_keywords_of_the_fix() -> None:
     known = re.findall(r'keyword == "(\w+)"', text("plugins/fix_skin_cells_settings.cpp"))
     table = rows(section("fix_skin_cells.md", "Syntax"))
     assert sorted(row[0].strip("`") for row in table) == sorted(known)
+    known = re.findall(r'word == "(\w+)"', text("plugins/skin_cell_kinds.cpp"))
+    of_kinds = rows(section("fix_skin_cells.md", "Kinds of cells"))
+    assert sorted(row[0].strip("`") for row in of_kinds) == sorted(known)
     code = re.sub(r"\s+", " ", text("plugins/fix_skin_cells_settings.cpp"))
     found = re.search(r"required = \{(.*?)\}", code)
     assert found
@@ -241,15 +244,16 @@ def test_output_of_the_fix() -> None:
     heading = "Restart, fix_modify, output, run start/stop, minimize info"
     markdown = section("fix_skin_cells.md", heading)
     code = text("plugins/fix_skin_cells.cpp")
-    more = re.search(r"size_vector = NTERMS \+ (\d+)", code)
+    more = re.search(r"size_vector = NTERMS \+ (\d+) \+ kinds.size\(\)", code)
     columns = re.search(r"NCOLUMNS = (\d+)", text("plugins/fix_skin_cells.h"))
     assert more
     assert columns
     vector, array = markdown.split("| array column |")
-    assert [row[0] for row in rows(vector)] == [str(n) for n in range(1, 4 + int(more[1]))]
+    first, last = 3 + int(more[1]), "8, 9, ..."
+    assert [row[0] for row in rows(vector)] == [*(str(n) for n in range(1, first + 1)), last]
     assert len(rows(array)) == int(columns[1])
-    assert f"vector of length {3 + int(more[1])}" in markdown
-    assert f"array with {columns[1]} columns" in markdown
+    assert f"vector of length {first} plus the number of kinds" in markdown
+    assert f"array with {columns[1]} columns" in " ".join(markdown.split())
 
 
 def test_event_log() -> None:

@@ -24,16 +24,31 @@ def busy(scene: str = "no-dermis", **changes: object) -> Scene:
     return Scene.load(scene).replace(**{**BUSY, **changes})
 
 
-def fix_line(scene: Scene, **changes: str) -> str:
+def kind_rows(
+    types: Sequence[object] = ("stem", "ta", "exhausted", "nd"),
+    adhesion: str = "25 1.2",
+    binding: str = "25",
+    cycle: str = "2.0 0.5 2.0",
+    generations: int = 10,
+) -> str:
+    """The four kinds of the model, or the first of them, as arguments of the fix."""
+    detach = adhesion.split()[1]
+    rows = [
+        f"kind stem type {{}} law bound {binding} cycle {cycle} daughter ta",
+        f"kind ta type {{}} law adhesive {adhesion} detach {detach} cycle {cycle} daughter ta "
+        f"generations {generations} last exhausted",
+        f"kind exhausted type {{}} law none detach {detach}",
+        f"kind nd type {{}} law bound {binding}",
+    ]
+    return " ".join(row.format(type_) for row, type_ in zip(rows, types, strict=False))
+
+
+def fix_line(scene: Scene, adhesion: str = "25 1.2") -> str:
     """The fix of the cells as a user would write it."""
-    values = {
-        "contact": "2.4", "adhesion": "25 1.2", "binding": "25", "cycle": "2.0 0.5 2.0",
-        "generations": "10", "spring": "5 0.014 1.4 2.8", "offset": "0.007", "every": "2",
-        **changes,
-    }  # fmt: skip
-    types = "membrane membrane stem stem ta ta exhausted exhausted nd nd"
-    words = " ".join(f"{key} {value}" for key, value in values.items())
-    return f"skin/cells {scene.seed} {types} {words}"
+    return (
+        f"skin/cells {scene.seed} membrane membrane {kind_rows(adhesion=adhesion)} contact 2.4 "
+        "spring 5 0.014 1.4 2.8 offset 0.007 every 2"
+    )
 
 
 def run_script(

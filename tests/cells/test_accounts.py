@@ -7,7 +7,7 @@ from lammps_skin.kinds import Kind
 from lammps_skin.start.build import build
 
 from tests.cells.conftest import CONTACT, HEIGHT, place
-from tests.cells.scripts import busy, error_of, run, run_script, snapshots, told
+from tests.cells.scripts import busy, error_of, kind_rows, run, run_script, snapshots, told
 
 # the membrane is held flat and tension-free, so that a cell's neighbor is known
 HELD = ["group membrane type membrane", "fix hold membrane setforce 0 0 0"]
@@ -44,11 +44,11 @@ def test_virial_of_the_division_spring(tmp_path: Path) -> None:
     scene = busy(**{"cells.stem": 2, "cells.nd": 0})
     z = HEIGHT + CONTACT
     start = place(scene, [(Kind.STEM, (4.0, 6.0, z), 0), (Kind.STEM, (5.5, 6.0, z), 0)])
+    rows = kind_rows(("stem", "ta", "exhausted"), adhesion="0 1.2", binding="0")
     lines = [
         *HELD, "set atom 673 i_pair 674", "set atom 674 i_pair 673",
         "set group cells d_next_division 99", "unfix cells",
-        "fix cells cells skin/cells 1 membrane membrane stem stem ta ta exhausted exhausted "
-        "contact 2.4 adhesion 0 1.2 binding 0 cycle 2 0.5 2 generations 1 "
+        f"fix cells cells skin/cells 1 membrane membrane {rows} contact 2.4 "
         "spring 5 0.014 1.4 2.8 offset 0.007",
         "fix_modify cells energy yes virial yes", "compute p all pressure NULL fix",
         "compute s cells stress/atom NULL fix", "compute e cells pe/atom fix",
@@ -76,11 +76,11 @@ def test_virial_of_attachment(kind: str, term: str, tmp_path: Path) -> None:
     kinds = {"ta": Kind.TA, "stem": Kind.STEM}
     start = place(scene, [(kinds[kind], (*spot, HEIGHT + r), 1)])
     terms = {"adhesion": "0 1.4", "binding": "0", term.split()[0]: term.split(" ", 1)[1]}
+    rows = kind_rows(("stem", "ta", "exhausted"), **terms)
     lines = [
         *HELD, "set group cells d_next_division 99", "unfix cells",
-        "fix cells cells skin/cells 1 membrane membrane stem stem ta ta exhausted exhausted "
-        f"contact 2.4 adhesion {terms['adhesion']} binding {terms['binding']} cycle 2 0.5 2 "
-        "generations 1 spring 5 0.014 1.4 2.8 offset 0.007",
+        f"fix cells cells skin/cells 1 membrane membrane {rows} contact 2.4 "
+        "spring 5 0.014 1.4 2.8 offset 0.007",
         "comm_modify cutoff 5.5", "fix_modify cells virial yes energy yes",
         "compute p all pressure NULL fix", "compute s all stress/atom NULL fix",
         "compute e all pe/atom fix", "thermo_style custom step c_p[1]",
@@ -124,7 +124,7 @@ def test_forces_are_part_of_a_minimisation(tmp_path: Path) -> None:
 @pytest.mark.parametrize("checkpoints", [(), ("restart 7 min.1.restart min.2.restart",)])
 def test_minimisation_takes_no_time(checkpoints: tuple[str, ...], tmp_path: Path) -> None:
     """With restart files or without: no events, no growth of pairs, and times go on after it."""
-    report = 'print "OUT $(f_cells[9]) $(f_cells[8]) $(time)"'
+    report = 'print "OUT $(f_cells[5]) $(f_cells[4]) $(time)"'
     lines = ["run 20 post no", report, *checkpoints, "minimize 0 0 40 400", "restart 0",
              "run 0 post no", report, "run 4 post no", report]  # fmt: skip
     before, at, after = told(run_script(tmp_path, *lines, scene=busy()))
@@ -146,7 +146,7 @@ def test_nothing_is_detached_by_a_minimisation(tmp_path: Path) -> None:
     build(scene, tmp_path)
     lines = ["run 20 post no", "displace_atoms cells move 0 0 0.6", "minimize 0 0 1 1",
              "displace_atoms cells move 0 0 -0.6", "run 4 post no",
-             'print "OUT $(f_cells[10])"']  # fmt: skip
+             'print "OUT $(f_cells[6])"']  # fmt: skip
     assert told(run_script(tmp_path, *lines)) == [[0.0]]
 
 
@@ -156,7 +156,7 @@ def test_nothing_is_detached_by_a_minimisation(tmp_path: Path) -> None:
 def test_triclinic_box_is_the_same_box(tmp_path: Path) -> None:
     """Without tilt, and with a tilt of one period: the same images, the same run."""
     report = [
-        'print "OUT $(f_cells[1]:%.12g) $(f_cells[2]:%.12g) $(f_cells[3]:%.12g) $(f_cells[9])"'
+        'print "OUT $(f_cells[1]:%.12g) $(f_cells[2]:%.12g) $(f_cells[3]:%.12g) $(f_cells[5])"'
     ]
     results = []
     large = ["box tilt large", "change_box all xy final 12.0"]
@@ -186,7 +186,7 @@ def test_special_neighbors_of_the_user_stay(tmp_path: Path) -> None:
     extra = "extra/bond/types 1 extra/bond/per/atom 2 extra/special/per/atom 4"
     state = state.replace("fix state NULL state", f"fix state NULL state {extra}")
     (tmp_path / "state.in").write_text(state)
-    report = 'print "OUT $(evdwl:%.15g) $(f_cells[8]) $(f_cells[9])"'
+    report = 'print "OUT $(evdwl:%.15g) $(f_cells[4]) $(f_cells[5])"'
     lines = [
         "bond_style hybrid skin/stretch harmonic",
         "bond_coeff 1 skin/stretch 0.04 2.0 1.25 0.25 1.0", "bond_coeff 2 harmonic 0.0 2.4",
@@ -227,8 +227,8 @@ pair_coeff 2 2 {coefficients}
 neighbor 0.3 bin
 neigh_modify every 1 delay 0 check yes
 comm_modify cutoff 5
-fix cells cells skin/cells 1 membrane 1 stem 2 ta 3 exhausted 4 contact 2.4 adhesion 0 1.2 &
-  binding 0 cycle 36 0.083 48 generations 0 spring 5 0.014 0.14 2.8 offset 0.007
+fix cells cells skin/cells 1 membrane 1 {rows} contact 2.4 &
+  spring 5 0.014 0.14 2.8 offset 0.007
 thermo_style custom step evdwl
 thermo_modify norm no
 run 0 post no
@@ -247,7 +247,8 @@ def test_a_pair_in_a_narrow_box_sees_its_images(
     style: str, coefficients: str, tmp_path: Path
 ) -> None:
     """The two of a pair do not see each other, but do see each other's far images."""
-    script = NARROW.format(style=style, coefficients=coefficients)
+    rows = kind_rows((2, 3, 4), adhesion="0 1.2", binding="0", cycle="36 0.083 48")
+    script = NARROW.format(style=style, coefficients=coefficients, rows=rows)
     ((energy,),) = told(run(tmp_path, script.splitlines()))
     x = 2.5 / 2.8
     assert energy == pytest.approx(0.04 * (x**-12 / 12 - x**-6 / 6 + 1 / 12), rel=1e-9)

@@ -32,12 +32,14 @@ SETTING = {
     "group": "group cells type 2:5",
 }
 ARGUMENTS = {
-    "membrane": "1", "stem": "2", "ta": "3", "exhausted": "4", "nd": "5", "contact": "2.4",
-    "adhesion": "25 1.2", "binding": "25", "cycle": "36 0.083 48", "generations": "10",
+    "membrane": "1", "contact": "2.4",
+    "kind stem": "type 2 law bound 25 cycle 36 0.083 48 daughter ta",
+    "kind ta": "type 3 law adhesive 25 1.2 detach 1.2 cycle 36 0.083 48 daughter ta "
+    "generations 10 last exhausted",
+    "kind exhausted": "type 4 law none detach 1.2", "kind nd": "type 5 law bound 25",
     "spring": "5 0.014 0.14 2.8", "offset": "0.007", "every": "10",
 }  # fmt: skip
-OPTIONAL = ("stem", "ta", "exhausted", "nd", "every")
-REQUIRED = [keyword for keyword in ARGUMENTS if keyword not in OPTIONAL]
+REQUIRED = ["membrane", "contact", "spring", "offset"]
 
 
 @pytest.fixture
@@ -65,7 +67,7 @@ def error_of(lammps: Any, *arguments: Any, **more: Any) -> str:
 def test_setting_is_right(lammps: Any) -> None:
     """What the other tests spoil one by one runs as it is."""
     start(lammps, {}, {})
-    assert [lammps.extract_fix("cells", 0, 1, n, 0) for n in (3, 4, 5, 6)] == [1, 1, 0, 0]
+    assert [lammps.extract_fix("cells", 0, 1, n, 0) for n in (7, 8, 9, 10)] == [1, 1, 0, 0]
 
 
 @pytest.mark.parametrize("keyword", REQUIRED)
@@ -82,27 +84,12 @@ INTEGER = "Expected integer parameter instead of"
     [
         ("membrane", "9", "Fix skin/cells membrane = 9: there are atom types 1 to 5"),
         ("membrane", "0", "Fix skin/cells membrane = 0: there are atom types 1 to 5"),
-        ("membrane", "2", "Fix skin/cells: atom type 2 is both membrane and cell"),
-        ("stem", "6", "Fix skin/cells stem = 6: there are atom types 1 to 5"),
-        ("ta", "2", "Fix skin/cells ta: atom type 2 is named twice"),
-        ("exhausted", "3", "Fix skin/cells exhausted: atom type 3 is named twice"),
-        ("nd", "4", "Fix skin/cells nd: atom type 4 is named twice"),
-        ("ta", "-", "Fix skin/cells: stem cells need the keywords ta and exhausted too"),
-        ("exhausted", "-", "Fix skin/cells: stem cells need the keywords ta and exhausted too"),
+        ("membrane", "2", "Fix skin/cells: atom type 2 is both membrane and kind stem"),
         ("contact", "0", "Fix skin/cells contact = 0: must be a number > 0"),
         ("contact", "-2.4", "Fix skin/cells contact = -2.4: must be a number > 0"),
         ("contact", "wide", f"{NUMBER} 'wide'"),
         ("contact", "nan", f"{NUMBER} 'nan'"),
         ("contact", "1e999", "Floating point number 1e999"),
-        ("adhesion", "-1 1.2", "Fix skin/cells adhesion K = -1: must be a number >= 0"),
-        ("adhesion", "25 1.0", "Fix skin/cells adhesion lambda = 1.0: must be > 1"),
-        ("adhesion", "25 x", f"{NUMBER} 'x'"),
-        ("binding", "-25", "Fix skin/cells binding = -25: must be a number >= 0"),
-        ("cycle", "-1 0.083 48", "Fix skin/cells cycle T0 = -1: must be a number >= 0"),
-        ("cycle", "36 0 48", "Fix skin/cells cycle gamma = 0: must be a number > 0"),
-        ("cycle", "36 0.083 -1", "Fix skin/cells cycle first phase = -1: must be a number >= 0"),
-        ("generations", "-1", "Fix skin/cells generations = -1: must be an integer >= 0"),
-        ("generations", "2.5", f"{INTEGER} '2.5'"),
         ("spring", "-5 0.014 0.14 2.8", "Fix skin/cells spring K = -5: must be a number >= 0"),
         ("spring", "5 -1 0.14 2.8", "Fix skin/cells spring start = -1: must be a number >= 0"),
         ("spring", "5 0.014 0 2.8", "Fix skin/cells spring rate = 0: must be a number > 0"),
@@ -120,6 +107,54 @@ INTEGER = "Expected integer parameter instead of"
 )  # fmt: skip
 def test_value(lammps: Any, keyword: str, value: str, message: str) -> None:
     assert error_of(lammps, {}, {keyword: value}).startswith(message)
+
+
+CYCLE = "cycle 36 0.083 48"
+
+
+@pytest.mark.parametrize(
+    ("name", "row", "message"),
+    [
+        ("stem", "type 6", "stem type = 6: there are atom types 1 to 5"),
+        ("nd", "type", "nd type needs 1 value(s) but got 0"),
+        ("nd", "law bound 25", "nd needs the keyword type"),
+        ("nd", "type 4", "nd: atom type 4 is that of kind exhausted"),
+        ("nd", "type 5 number 0", "nd number = 0: must be an integer >= 1"),
+        ("nd", "type 5 number 3", "nd number = 3: is that of kind stem"),
+        ("nd", "type 5 kind ta type 3", "ta: there are two kinds of this name"),
+        ("nd", "type 5 law sticky 3", "nd law = sticky: must be bound, adhesive or none"),
+        ("nd", "type 5 law bound -25", "nd law bound K = -25: must be a number >= 0"),
+        ("nd", "type 5 law adhesive -1 1.2", "nd law adhesive K = -1: must be a number >= 0"),
+        ("nd", "type 5 law adhesive 25 1", "nd law adhesive lambda = 1: must be > 1"),
+        ("nd", "type 5 law adhesive 25", "nd law needs 2 value(s) but got 1"),
+        ("nd", "type 5 detach 0.9", "nd detach lambda = 0.9: must be > 1"),
+        ("nd", "type 5 cycle -1 0.1 48", "nd cycle T0 = -1: must be a number >= 0"),
+        ("nd", "type 5 cycle 36 0 48", "nd cycle gamma = 0: must be a number > 0"),
+        ("nd", "type 5 cycle 36 0.1 -1", "nd cycle first phase = -1: must be a number >= 0"),
+        ("nd", "type 5 generations -1", "nd generations = -1: must be an integer >= 0"),
+        ("nd", "type 5 daughter nerve", "nd daughter = nerve: there is no such kind"),
+        ("nd", "type 5 last nerve", "nd last = nerve: there is no such kind"),
+        ("nd", "type 5 daughter ta", "nd: daughter needs cycle"),
+        ("nd", f"type 5 {CYCLE}", "nd: cycle needs daughter"),
+        ("nd", "type 5 generations 3", "nd: generations needs daughter"),
+        ("nd", "type 5 last ta", "nd: last needs daughter"),
+        ("nd", f"type 5 {CYCLE} daughter nd generations 3", "nd generations = 3: needs last"),
+        (
+            "nd", f"type 5 {CYCLE} daughter nd generations 0 last nd",
+            "nd: a cell that enters it has 0 generations in it and in all kinds that follow",
+        ),
+        ("ta", "-", "stem daughter = ta: there is no such kind"),
+        ("exhausted", "-", "ta last = exhausted: there is no such kind"),
+    ],
+)  # fmt: skip
+def test_kind(lammps: Any, name: str, row: str, message: str) -> None:
+    last = {f"kind {name}": "-", **({f" kind {name}": row} if row != "-" else {})}
+    assert error_of(lammps, {}, last).startswith(f"Fix skin/cells kind {message}")
+
+
+def test_no_kind(lammps: Any) -> None:
+    none = dict.fromkeys((key for key in ARGUMENTS if key.startswith("kind")), "-")
+    assert error_of(lammps, {}, none) == "Fix skin/cells needs the keyword kind"
 
 
 @pytest.mark.parametrize("seed", ["0", "-7"])

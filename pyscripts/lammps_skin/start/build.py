@@ -36,9 +36,9 @@ def build(
     the scene last; without it a directory is not taken for a built one.
     """
     cells, form = scene.cells, scene.membrane.bending_form
-    changed = cells.kinds or not cells.removal_in_pair or cells.division_distance
-    if changed or form != "cosine" or cells.generations == "endless":
-        raise SceneError("cells.kinds, cells.removal_in_pair and so on: cannot be run yet")
+    pairs = any(row.paired_with for row in scene.cell_kinds)
+    if pairs or not cells.removal_in_pair or cells.division_distance or form != "cosine":
+        raise SceneError("cells.removal_in_pair and so on: cannot be run yet")
     if configuration is None:
         configuration = Configuration.from_scene(scene)
     else:
@@ -160,16 +160,32 @@ def _cell_variables(terms: Terms, string: Any) -> Iterator[str]:
     yield "\n# cells"
     yield string("cell_types", f"{last - len(labels) + 1}*{last}")
     yield string("cell_labels", *labels)
-    yield string("cell_kinds", *(f"{label} {label}" for label in labels))
+    yield string("cell_kinds", " &\n                ".join(_kind_arguments(terms)))
+    yield string("cell_counts", *(f"f_cells[{8 + n}]" for n in range(len(labels))))
     yield string("contact", scene.contact)
     yield string("core", CORE * scene.contact if cells.membrane_exclusion_stiffness else 0)
-    yield string("adhesion", terms.adhesion, cells.adhesion_range)
-    yield string("binding", terms.binding)
-    yield string("cycle", cells.cycle_delay, cells.cycle_rate, cells.first_phase)
-    yield string("generations", cells.generations)
     yield string("spring", *terms.division)
     yield string("offset", cells.division_separation * cells.radius)
     yield string("next_id", 1)
+
+
+def _kind_arguments(terms: Terms) -> Iterator[str]:
+    """Arguments of fix skin/cells, one line for each kind of cell."""
+    for row in terms.scene.cell_kinds:
+        words: list[object] = ["kind", row.label, "type", row.label, "number", int(row.kind)]
+        words += ["law", row.adhesion]
+        if row.adhesion != "none":
+            words.append(terms.attachment(row.stiffness))
+        if row.adhesion == "adhesive":
+            words.append(row.range)
+        if row.detaches:
+            words += ["detach", row.range]
+        if row.daughter:
+            words += ["cycle", row.cycle_delay, row.cycle_rate, row.first_phase]
+            words += ["daughter", row.daughter]
+        if row.generations is not None:
+            words += ["generations", row.generations, "last", row.after_last]
+        yield " ".join(map(str, words))
 
 
 def _collections(scene: Scene) -> list[str]:
