@@ -1,4 +1,4 @@
-"""Nothing in a scene file is carried out, names a path, or is built if it does not fit."""
+"""Nothing in a scene file is carried out, or is built if it does not fit."""
 
 from __future__ import annotations
 

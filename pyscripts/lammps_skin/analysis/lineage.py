@@ -1,6 +1,7 @@
 """Who descends from whom: clones, their sizes, births and removals, and how clones mix.
 
-A clone is a cell of the initial state (its founder) and all its descendants.
+A clone is a cell of the initial state (its founder) and all its descendants. In a run that begins
+with the state of another one, the cells of that state are founders.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Events(NamedTuple):
     kind : (e,) array of str
         birth, death or division_end.
     id, parent : (e,) arrays of int
-        The cell and its mother (0: of the initial state); at the end of a division the younger
+        The cell and its mother (0: none is known); at the end of a division the younger
         and the older cell of the pair.
     type : (e,) array of int
         `Kind` of the cell.

@@ -119,7 +119,8 @@ def _events(run: Run, events: Events, window: Window) -> dict[str, Any]:
     births, deaths = events.of("birth"), events.of("death")
     try:
         mixing = CloneMixing(run.universe, events).run(start=last).results.mixing
-        clones = [] if start else _clones(run, events, founders, kinds, end)
+        begins = math.isclose(start, run.scene.begins, abs_tol=1e-9)
+        clones = _clones(run, events, founders, kinds, (start, end)) if begins else []
     except ValueError as error:
         raise SkinError(f"events.csv does not go with the trajectory: {error}") from None
     return {
@@ -135,10 +136,11 @@ def _events(run: Run, events: Events, window: Window) -> dict[str, Any]:
 
 
 def _clones(
-    run: Run, events: Events, founders: Ints, kinds: Ints, end: float
+    run: Run, events: Events, founders: Ints, kinds: Ints, between: Window
 ) -> list[dict[str, Any]]:
     """Founder, births, removals and size at the end of each clone, the largest first."""
-    happened = turnover(events, founders, [0.0, max(end, 1.0)])
+    start, end = between
+    happened = turnover(events, founders, [start, max(end, start + 1.0)])
     sizes = clone_sizes(events, founders, [end])[0]
     columns = {
         "founder": founders.tolist(),

@@ -9,6 +9,8 @@ import typer
 
 from lammps_skin.cli.options import (
     Accuracy,
+    At,
+    From,
     Parameters,
     Seed,
     Settings,
@@ -32,9 +34,11 @@ def build(
     accuracy: Accuracy = None,
     seed: Seed = None,
     settings: Settings = None,
+    run: From = None,
+    at: At = None,
 ) -> None:
     """Write a scene as LAMMPS input: scripts, tables, data file."""
-    described = scene_from(scene, parameters, settings, accuracy, seed)
+    described = scene_from(scene, parameters, settings, accuracy, seed, run, at)
     with Hold(output, make=True), console.status("building"):
         keep_results(output, "its inputs belong to them; give another")
         configuration = build_scene(described, output)

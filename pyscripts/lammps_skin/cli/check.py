@@ -10,6 +10,8 @@ import typer
 
 from lammps_skin.cli.options import (
     Accuracy,
+    At,
+    From,
     Parameters,
     Seed,
     Settings,
@@ -25,7 +27,7 @@ from lammps_skin.model.stiffness import longest_timestep, stiffest
 from lammps_skin.model.terms import TERMS
 from lammps_skin.start import memory
 from lammps_skin.start.arrangements import place_cells
-from lammps_skin.start.configuration import check_sizes
+from lammps_skin.start.configuration import Configuration, check_sizes
 from lammps_skin.study import cost
 from lammps_skin.study.savings import Saving, candidates, measured
 
@@ -36,6 +38,8 @@ def check(
     accuracy: Accuracy = None,
     seed: Seed = None,
     settings: Settings = None,
+    run: From = None,
+    at: At = None,
     measure: Annotated[
         bool, typer.Option("--measure", help="Time a short run of the scene on this machine.")
     ] = False,
@@ -44,9 +48,12 @@ def check(
     ] = False,
 ) -> None:
     """Show what a scene has and what it will cost, without running it."""
-    described = scene_from(scene, parameters, settings, accuracy, seed)
+    described = scene_from(scene, parameters, settings, accuracy, seed, run, at)
     check_sizes(described, described.box_sides)
-    place_cells(described)
+    if described.start.run is None:
+        place_cells(described)
+    else:
+        Configuration.from_scene(described)
     console.print(one_line(f"{described.name}: {described.description}").rstrip(": "))
     for title, rows in {
         "part": _parts, "kind of cells": _kinds, "term": _terms, "size": _sizes,

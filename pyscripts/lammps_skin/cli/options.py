@@ -35,6 +35,15 @@ Settings = Annotated[
 ]
 
 
+From = Annotated[
+    str | None,
+    typer.Option("--from", metavar="RUN", help="Begin with the state of a run: a directory."),
+]
+At = Annotated[
+    float | None, typer.Option("--at", metavar="TIME", help="Of that state [default: its last].")
+]
+
+
 def keep_results(directory: Path, remedy: str) -> None:
     """Raise `SceneError` if a directory holds results of a run."""
     if holds_results(directory):
@@ -44,9 +53,14 @@ def keep_results(directory: Path, remedy: str) -> None:
 def scene_from(
     source: str, parameters: str | None, settings: Iterable[str] | None,
     accuracy: str | None = None, seed: int | None = None,
+    run: str | None = None, at: float | None = None,
 ) -> Scene:  # fmt: skip
     """The scene that a command line describes."""
     changes = changes_from(parameters, settings, accuracy, seed)
+    if run is not None or at is not None:
+        # what the scene may say of another state does not count
+        changes |= {"start.time": at, "start.content": None, "start.versions": None}
+        changes |= {} if run is None else {"start.from": str(Path(run).absolute())}
     scene = Scene.load(source)
     if changes:
         scene = scene.replace(**changes)

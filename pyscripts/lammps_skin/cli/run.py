@@ -12,6 +12,8 @@ import typer
 from lammps_skin.cli.journey import Journey
 from lammps_skin.cli.options import (
     Accuracy,
+    At,
+    From,
     Parameters,
     Seed,
     Settings,
@@ -62,10 +64,14 @@ def run(
     accuracy: Accuracy = None,
     seed: Seed = None,
     settings: Settings = None,
+    begin: From = None,
+    at: At = None,
 ) -> None:
     """Run a scene, or a directory that `skin build` has made."""
     began = time.perf_counter()
-    scene, directory = _what_and_where(source, output, parameters, settings, accuracy, seed)
+    scene, directory = _what_and_where(
+        source, output, parameters, settings, accuracy, seed, begin, at
+    )
     check_run(directory, ranks, threads)
     if resume and (scene or force):
         raise SceneError("--resume: goes on with the run in a directory, as it is; give that")
@@ -145,7 +151,7 @@ def _watch(simulation: Simulation, directory: Path, until: float | None, began: 
 
 def _shortened(scene: Scene | None, directory: Path, until: float) -> Scene | None:
     """The scene with another end time; a built directory stays as it is."""
-    start = 0.0 if scene else start_time(directory)
+    start = scene.begins if scene else start_time(directory)
     if not start < until < math.inf:
         raise SimulationError(f"--until = {until:g}: must be a time after the start, {start:g}")
     shortened = (scene or load_built(directory)).replace(end_time=until)
@@ -159,15 +165,17 @@ def _what_and_where(
     settings: list[str] | None,
     accuracy: str | None,
     seed: int | None,
+    begin: str | None,
+    at: float | None,
 ) -> tuple[Scene | None, Path]:
     """The scene, None for a built directory, and the directory of the run."""
     built = bool(source) and source not in BUILT_IN and Path(source).is_dir()
     if not built:
-        scene = scene_from(source, parameters, settings, accuracy, seed)
+        scene = scene_from(source, parameters, settings, accuracy, seed, begin, at)
         return scene, output or Path("runs") / scene.name
     given = {
         "--set": settings, "--parameters": parameters, "--accuracy": accuracy, "--seed": seed,
-        "-o": output,
+        "--from": begin, "--at": at, "-o": output,
     }  # fmt: skip
     for option, value in given.items():
         if value not in (None, []):

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+
+PATHS = (("start", "from"), ("membrane", "heights"))  # keys of a scene that name files
 
 
 def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
@@ -40,6 +44,16 @@ def _toml_value(value: Any) -> str:
     if isinstance(value, float):
         return repr(value)
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def with_absolute_paths(given: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The same keys; paths are absolute, those that were not have been relative to a folder."""
+    keys = merged({}, given)
+    for part, key in PATHS:
+        table = keys.get(part)
+        if isinstance(table, dict) and isinstance(table.get(key), str) and table[key]:
+            table[key] = os.path.abspath(folder / table[key])
+    return keys
 
 
 def as_tuples(given: Mapping[str, Any]) -> dict[str, Any]:

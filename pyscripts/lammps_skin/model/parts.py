@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, WithJsonSchema, create_model
 from pydantic_core import PydanticCustomError
 
 from lammps_skin.model.accuracy import DEFAULT_LEVEL, Level
@@ -187,3 +187,25 @@ class Output(Part):
     thermo_interval: Positive = 2.0
     dump_interval: NotNegative = 10.0
     checkpoint_interval: NotNegative = 50.0
+
+
+class StartKeys(Part):
+    """The state of another run to begin with: its keys but `from`, which is a word of Python."""
+
+    time: NotNegative | None = Field(None, description="of a frame; the last one if not given")
+    content: str | None = Field(None, description="hash that the state must have")
+    versions: str | None = Field(None, description="what made the run; tells, and is not compared")
+
+    @property
+    def run(self) -> str | None:
+        """The run directory or trajectory, `start.from`."""
+        run: str | None = getattr(self, "from", None)
+        return run
+
+
+if TYPE_CHECKING:
+    Start = StartKeys
+else:
+    Start = create_model(
+        "Start", __base__=StartKeys, **{"from": (str | None, Field(None, description="a run"))}
+    )

@@ -17,8 +17,18 @@ from lammps_skin.kinds import Kind
 from lammps_skin.model import accuracy, parameters
 from lammps_skin.model.accuracy import DEFAULT_LEVEL, LEVELS
 from lammps_skin.model.cell_kinds import CellKind, cell_kinds, contradictions, reached
-from lammps_skin.model.keys import as_tuples, first_line, merged, near, shown
-from lammps_skin.model.parts import Cells, Dermis, Membrane, Numerics, Output, Part, Positive, Seed
+from lammps_skin.model.keys import as_tuples, first_line, merged, near, shown, with_absolute_paths
+from lammps_skin.model.parts import (
+    Cells,
+    Dermis,
+    Membrane,
+    Numerics,
+    Output,
+    Part,
+    Positive,
+    Seed,
+    Start,
+)
 
 LARGEST_FILE = 1_000_000  # bytes of a scene file
 
@@ -47,6 +57,7 @@ class Scene(Part):
     cells: Cells = Cells()
     numerics: Numerics = Numerics()
     output: Output = Output()
+    start: Start = Start()
 
     smallest_lattice: ClassVar[tuple[int, int]] = (12, 14)
     _given: dict[str, Any] = PrivateAttr(default_factory=dict)
@@ -54,9 +65,12 @@ class Scene(Part):
     # ---- making scenes
 
     @classmethod
-    def from_dict(cls, given: Mapping[str, Any]) -> Self:
-        """Scene from nested keys; raises `SceneError` naming the key, the value and the remedy."""
-        raw = merged({}, given)
+    def from_dict(cls, given: Mapping[str, Any], folder: Path | None = None) -> Self:
+        """Scene from nested keys; raises `SceneError` naming the key, the value and the remedy.
+
+        Paths in it are relative to a folder, the current one if none is given.
+        """
+        raw = with_absolute_paths(given, folder or Path())
         name = raw.get("parameters", parameters.DEFAULT)
         if not isinstance(name, str) or name not in parameters.SETS:
             raise SceneError(
@@ -85,7 +99,7 @@ class Scene(Part):
                 f"{near(source, BUILT_IN)}"
             )
         try:
-            return cls.from_dict(tomllib.loads(_text(path)))
+            return cls.from_dict(tomllib.loads(_text(path)), path.parent)
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or "not text in UTF-8"
             raise SceneError(f"scene file {path}: {reason}") from None
@@ -192,6 +206,11 @@ class Scene(Part):
         return self.all_kinds[number - 1]
 
     @property
+    def begins(self) -> float:
+        """Time at which a run of it begins, as far as the scene says so."""
+        return self.start.time or 0.0
+
+    @property
     def kinds(self) -> tuple[Kind, ...]:
         """The kinds of particles of this scene, in the order of their LAMMPS types."""
         dermis = [Kind.DERMAL] if self.dermis.present else []
@@ -243,6 +262,16 @@ class Scene(Part):
         yield from contradictions(self.cells)
         yield from self._cell_contradictions()
         yield from self._numerical_contradictions()
+        yield from self._start_contradictions()
+
+    def _start_contradictions(self) -> Iterator[str]:
+        start = self.start
+        for key in ("time", "content", "versions"):
+            value = getattr(start, key)
+            if start.run is None and value is not None:
+                yield f"start.{key} = {shown(value)}: needs start.from, the run that it is of"
+        if self.end_time <= self.begins:
+            yield f"end_time = {self.end_time:g}: must be after start.time = {self.begins:g}"
 
     def _cell_contradictions(self) -> Iterator[str]:
         cells, membrane = self.cells, self.membrane

@@ -122,7 +122,7 @@ class Simulation:
             check_run(directory, ranks, threads)
             held = held or resources.enter_context(Hold(directory, make=True))
             _check_replaced(directory, variables, replace)
-            build(scene, directory, configuration)
+            scene = build(scene, directory, configuration).described(scene)
             simulation = cls(scene, directory, ranks, threads, variables, held, temporary)
             simulation._resources = resources.pop_all()
         return simulation

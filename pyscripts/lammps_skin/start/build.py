@@ -31,9 +31,10 @@ def build(
 ) -> Configuration:
     """Write input scripts, tables, data file and the scene itself into a directory.
 
-    Raises `SceneError` if the directory cannot be written, `ConfigurationError` if the
-    configuration does not belong to the scene. Files are put in place when all of them are written,
-    the scene last; without it a directory is not taken for a built one.
+    Raises `SceneError` if the directory cannot be written or is that of the run from which the
+    scene begins, `ConfigurationError` if the configuration does not belong to the scene. Files are
+    put in place when all of them are written, the scene last; without it a directory is not
+    taken for a built one.
     """
     cells, form = scene.cells, scene.membrane.bending_form
     pairs = any(row.paired_with for row in scene.cell_kinds)
@@ -43,6 +44,12 @@ def build(
         configuration = Configuration.from_scene(scene)
     else:
         configuration.check(scene)
+    origin = configuration.origin
+    if origin and directory.resolve() == origin.directory.resolve():
+        raise SceneError(
+            f"directory {directory}: is that of the run from which the scene begins; give another"
+        )
+    scene = configuration.described(scene)
     scripts = installed("lammps_inputs")
     if not scripts.is_dir():
         raise SceneError(f"{scripts} is missing: install lammps-skin with pip")
@@ -72,6 +79,8 @@ def _write(scene: Scene, scripts: Path, directory: Path, configuration: Configur
     configuration.write_data(directory / "skin.data", scene.kinds)
     (directory / SCENE_FILE).write_text(to_toml(scene.given()), encoding="utf-8")
     lines = [f"# {scene.name}: {_comment(scene.description) or 'numbers of this scene'}", ""]
+    if configuration.origin:
+        lines.insert(1, f"# begins with the state of {_comment(str(configuration.origin))}")
     lines += _variables(terms, configuration)
     (directory / "scene.in").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -143,7 +152,7 @@ def _variables(terms: Terms, configuration: Configuration) -> Iterator[str]:
         yield string("wall", terms.wall)
         yield index("frozen_below", scene.dermis.frozen_below)
     if scene.has_cells:
-        yield from _cell_variables(terms, string)
+        yield from _cell_variables(terms, configuration, string)
 
 
 def _link_limits(stretch: StyledTerm) -> list[str]:
@@ -153,7 +162,7 @@ def _link_limits(stretch: StyledTerm) -> list[str]:
     return ["link", *(repr(float(stretch.table.distances[end])) for end in (0, -1))]
 
 
-def _cell_variables(terms: Terms, string: Any) -> Iterator[str]:
+def _cell_variables(terms: Terms, configuration: Configuration, string: Any) -> Iterator[str]:
     scene, cells = terms.scene, terms.scene.cells
     labels = [row.label for row in scene.cell_kinds]
     last = len(scene.kinds)
@@ -166,7 +175,7 @@ def _cell_variables(terms: Terms, string: Any) -> Iterator[str]:
     yield string("core", CORE * scene.contact if cells.membrane_exclusion_stiffness else 0)
     yield string("spring", *terms.division)
     yield string("offset", cells.division_separation * cells.radius)
-    yield string("next_id", 1)
+    yield string("next_id", configuration.next_id)
 
 
 def _kind_arguments(terms: Terms) -> Iterator[str]:

@@ -19,6 +19,7 @@ from lammps_skin.model.terms import Terms
 from lammps_skin.start import lattice
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.memory import check_memory
+from lammps_skin.start.origin import Origin, frame_of
 from lammps_skin.start.packing import dermal_count, pack_dermis
 
 NEVER = -1.0  # no time of next division: none is due, or the run draws it
@@ -28,17 +29,18 @@ MOST_STEPS = 10**12
 INTEGER = 2**31 - 1
 
 PER_PARTICLE = ("divisions_left", "divisions_done", "parent", "pair",
-                "next_division", "birth_time", "pair_start")  # fmt: skip
-WHOLE = {"kinds", "links", "hinges", "divisions_left", "divisions_done", "parent", "pair"}
+                "next_division", "birth_time", "pair_start", "detached_time")  # fmt: skip
+WHOLE = {"kinds", "ids", "links", "hinges", "divisions_left", "divisions_done", "parent", "pair"}
 LIMITS = {
     "kinds": (int(Kind.DERMAL), INTEGER),
+    "ids": (1, INTEGER),
     **dict.fromkeys(("divisions_left", "divisions_done", "parent", "pair"), (0, INTEGER)),
 }
 
 
 @dataclass
 class Configuration:
-    """State of all particles at one time; particle n has id n + 1.
+    """State of all particles at one time.
 
     Attributes
     ----------
@@ -53,9 +55,16 @@ class Configuration:
         Dihedrals of the membrane, see `lattice.links_and_hinges`.
     divisions_left, divisions_done, parent, pair : (n,) arrays of int
         State of the cells; parent and pair are ids, 0 for none.
-    next_division, birth_time, pair_start : (n,) arrays
-        Times; `NEVER` as next division lets the run draw a first phase from its seed.
+    next_division, birth_time, pair_start, detached_time : (n,) arrays
+        Times; `NEVER` as next division lets the run draw a first phase from its seed, and as
+        detached time is that of a cell that is not detached.
     time : float
+    ids : (n,) array of int
+        Rising; n + 1 of particle n if not given.
+    next_id : int
+        The next newborn gets this ID, or the first after those of the particles if that is more.
+    origin : Origin, optional
+        The run that the state is of.
     """
 
     box: Floats
@@ -70,13 +79,19 @@ class Configuration:
     next_division: Floats = field(default_factory=lambda: np.empty(0))
     birth_time: Floats = field(default_factory=lambda: np.empty(0))
     pair_start: Floats = field(default_factory=lambda: np.empty(0))
+    detached_time: Floats = field(default_factory=lambda: np.empty(0))
     time: float = 0.0
+    ids: Ints = field(default_factory=lambda: np.empty(0, int))
+    next_id: int = 1
+    origin: Origin | None = None
 
     def __post_init__(self) -> None:
         n = np.size(self.kinds)
+        if not np.size(self.ids):
+            self.ids = np.arange(1, n + 1)
         for name in PER_PARTICLE:
             if not np.size(getattr(self, name)):
-                default = NEVER if name == "next_division" else 0
+                default = NEVER if name in ("next_division", "detached_time") else 0
                 setattr(self, name, np.full(n, default, int if name in WHOLE else float))
 
     @property
@@ -92,7 +107,12 @@ class Configuration:
 
     @classmethod
     def from_scene(cls, scene: Scene) -> Self:
-        """Membrane, relaxed dermis and first cells of a scene."""
+        """The state with which a scene begins.
+
+        Membrane, relaxed dermis and first cells, or the state of the run in `start.from`.
+        """
+        if scene.start.run is not None:
+            return cls._continued(scene)
         check_sizes(scene, scene.box_sides)
         check_memory(scene)
         sheet = lattice.positions(scene.membrane.lattice, scene.spacing, scene.membrane_height)
@@ -122,6 +142,80 @@ class Configuration:
         configuration.check(scene)
         return configuration
 
+    @classmethod
+    def from_run(
+        cls, run: str | Path, time: float | None = None, scene: Scene | None = None
+    ) -> Self:
+        """The state of a run at the time of a frame, the last one if none is given.
+
+        Parameters
+        ----------
+        run : path
+            Run directory, or the trajectory in it.
+        time : float, optional
+        scene : Scene, optional
+            Whose numbers the kinds get, by their labels; those of the run's scene if not given.
+
+        Raises
+        ------
+        ConfigurationError
+            If the scene lacks a kind.
+        SceneError
+            If there is no such run or frame.
+        SkinError
+            If its trajectory cannot be read.
+        """
+        frame, links, hinges, origin = frame_of(run, time)
+        cells = is_cell(frame.kinds)
+        kinds = frame.kinds if scene is None else origin.numbered_in(scene, frame.kinds)
+        never = {"next_division": NEVER, "detached_time": NEVER}
+        return cls(
+            box=frame.edges,
+            kinds=kinds,
+            positions=frame.positions,
+            links=links,
+            hinges=hinges,
+            time=frame.time,
+            ids=frame.ids,
+            next_id=frame.next_id,
+            origin=origin,
+            **{
+                name: np.where(cells, frame.state[name], never.get(name, 0))
+                for name in PER_PARTICLE
+            },
+        )
+
+    @classmethod
+    def _continued(cls, scene: Scene) -> Self:
+        """The state of the run from which a scene begins."""
+        assert scene.start.run is not None
+        found = cls.from_run(scene.start.run, scene.start.time, scene)
+        assert found.origin
+        if scene.start.content not in (None, found.origin.content):
+            raise SceneError(
+                f"start.content = {scene.start.content!r}: the state of {found.origin} is another, "
+                f"{found.origin.content!r}; leave start.content out to begin with that"
+            )
+        if scene.end_time <= found.time:
+            raise SceneError(
+                f"end_time = {scene.end_time:g}: must be after {found.time:.10g}, the time of the "
+                f"state of {found.origin.run} from which the scene begins"
+            )
+        found.check(scene)
+        return found
+
+    def described(self, scene: Scene) -> Scene:
+        """The scene, with keys that tell of the run that this state is of, if it is of one."""
+        if self.origin is None:
+            return scene
+        keys = {
+            "start.from": str(self.origin.run),
+            "start.time": self.time,
+            "start.content": self.origin.content,
+            "start.versions": self.origin.versions,
+        }
+        return scene.replace(**keys)
+
     def check(self, scene: Scene) -> None:
         """Raise `ConfigurationError` if this is no possible state of the scene."""
         self.time = float(_array("time", self.time, (), None))
@@ -130,6 +224,8 @@ class Configuration:
                 f"time: is {self.time:g}, must be 0 to {MOST_STEPS * scene.numerics.timestep:g}"
             )
         self._check_arrays()
+        if self.origin:
+            self.origin.check_fit(scene, self.present_kinds)
         check_sizes(scene, self.box)
         if np.abs(self.box - scene.box_sides).max() > 1e-3:
             raise ConfigurationError(
@@ -150,12 +246,19 @@ class Configuration:
     def _check_arrays(self) -> None:
         """Shapes and numbers; what came as a list becomes an array."""
         n = np.size(self.kinds)
-        shapes = {"box": (3,), "kinds": (n,), "positions": (n, 3), "links": (-1, 2),
+        shapes = {"box": (3,), "kinds": (n,), "ids": (n,), "positions": (n, 3), "links": (-1, 2),
                   "hinges": (-1, 4), **dict.fromkeys(PER_PARTICLE, (n,))}  # fmt: skip
         limits = {**LIMITS, "links": (0, n - 1), "hinges": (0, n - 1)}
         for name, shape in shapes.items():
             array = _array(name, getattr(self, name), shape, limits.get(name))
             setattr(self, name, array)
+        falling = np.flatnonzero(np.diff(self.ids) < 1)
+        if len(falling):
+            raise ConfigurationError(
+                f"ids: {self.ids[falling[0] + 1]} comes after {self.ids[falling[0]]}, must rise"
+            )
+        if not 1 <= self.next_id <= INTEGER:
+            raise ConfigurationError(f"next_id: is {self.next_id}, must be 1 to {INTEGER}")
 
     def _check_places(self) -> None:
         z = self.positions[:, 2]
@@ -201,24 +304,28 @@ class Configuration:
                 raise ConfigurationError(
                     f"divisions_left: {m} for particle {n}, a {scene.kind(kind).label} cell"
                 )
-            other = self.pair[n]
-            if other and not (
-                other <= len(self.kinds)
-                and other != n + 1
-                and is_cell(self.kinds[other - 1])
-                and self.pair[other - 1] == n + 1
+            if not self.pair[n]:
+                continue
+            other = min(int(np.searchsorted(self.ids, self.pair[n])), len(self.ids) - 1)
+            if not (
+                self.ids[other] == self.pair[n]
+                and other != n
+                and is_cell(self.kinds[other])
+                and self.pair[other] == self.ids[n]
             ):
-                raise ConfigurationError(f"pair: particle {n} and id {other} are not each other's")
-            if other and self.pair_start[n] != self.pair_start[other - 1]:
                 raise ConfigurationError(
-                    f"pair_start: {self.pair_start[n]:g} and {self.pair_start[other - 1]:g} of the "
-                    f"particles {n} and {other - 1}, who are a pair, must be equal"
+                    f"pair: particle {n} and id {self.pair[n]} are not each other's"
+                )
+            if self.pair_start[n] != self.pair_start[other]:
+                raise ConfigurationError(
+                    f"pair_start: {self.pair_start[n]:g} and {self.pair_start[other]:g} of the "
+                    f"particles {n} and {other}, who are a pair, must be equal"
                 )
         if len(cells) > 1:
             x = self.wrapped()[cells]
             tree = cKDTree(x, boxsize=[*self.box[:2], 2 * self.box[2]])
             for i, j in tree.query_pairs(1e-3 * scene.cells.radius):
-                if self.pair[cells[i]] != cells[j] + 1:
+                if self.pair[cells[i]] != self.ids[cells[j]]:
                     apart = np.linalg.norm(x[i] - x[j])
                     raise ConfigurationError(
                         f"positions: the cells {cells[i]} and {cells[j]} overlap, {apart:g} apart"
@@ -245,7 +352,7 @@ class Configuration:
     def write_data(self, path: Path, kinds: tuple[Kind, ...]) -> None:
         """LAMMPS data file with the cell state in the section ``state`` of fix property/atom."""
         n = len(self.kinds)
-        ids = np.arange(1, n + 1)
+        ids = self.ids
         lammps_type: dict[int, int] = {kind: number for number, kind in enumerate(kinds, 1)}
         types = np.array([lammps_type[kind] for kind in self.kinds])
 
@@ -264,22 +371,18 @@ class Configuration:
             np.savetxt(file, atoms, fmt="%d %d %d %.17g %.17g %.17g")
             if len(self.links):
                 file.write("\nBonds\n\n")
-                _write_topology(file, self.links)
+                _write_topology(file, ids[self.links])
             if len(self.hinges):
                 file.write("\nDihedrals\n\n")
-                _write_topology(file, self.hinges)
+                _write_topology(file, ids[self.hinges])
             if self.is_cell.any():
                 file.write("\nstate\n\n")
-                np.savetxt(file, self._state_rows(ids), fmt=["%d"] * 5 + ["%.17g"] * 4)
+                np.savetxt(file, self._state_rows(), fmt=["%d"] * 5 + ["%.17g"] * 4)
 
-    def _state_rows(self, ids: Ints) -> Floats:
-        """Rows in the order of the properties that cells.in defines."""
-        never_detached = np.where(self.is_cell, NEVER, 0.0)
-        return np.column_stack(
-            [ids, self.divisions_left, self.divisions_done, self.parent, self.pair,
-             np.where(self.is_cell, self.next_division, 0.0), self.birth_time, self.pair_start,
-             never_detached]
-        )  # fmt: skip
+    def _state_rows(self) -> Floats:
+        """Rows in the order of the properties that state.in defines, zeros for what is no cell."""
+        columns = np.column_stack([getattr(self, name) for name in PER_PARTICLE])
+        return np.column_stack([self.ids, np.where(self.is_cell[:, None], columns, 0.0)])
 
 
 def _array(
@@ -325,5 +428,6 @@ def check_sizes(scene: Scene, box: Sequence[float] | Floats) -> None:
 
 
 def _write_topology(file, members: Ints) -> None:  # type: ignore[no-untyped-def]
+    """Rows of the ids of the particles that bonds or dihedrals join."""
     numbers = np.arange(1, len(members) + 1)
-    np.savetxt(file, np.column_stack([numbers, np.ones_like(numbers), members + 1]), fmt="%d")
+    np.savetxt(file, np.column_stack([numbers, np.ones_like(numbers), members]), fmt="%d")

@@ -21,7 +21,7 @@ from lammps_skin.trajectory.writer import Note, TrajectoryWriter, reason
 
 
 class Recorder:
-    """Writes skin.h5 at every multiple of the dump interval.
+    """Writes skin.h5 at the start of a run, and at every multiple of the dump interval.
 
     A file in HDF5 that is being changed is broken if the process is killed at that moment. So
     there are two: a frame goes to skin.h5.next, which then takes the place of skin.h5, in one
@@ -65,6 +65,7 @@ class Recorder:
         try:
             if self._last_step is None:
                 self._last_step = self._begin(step, engine.time())
+                due = due or "restart" not in self._variables
             if due and step != self._last_step:
                 state = engine.box(), engine.forces(), engine.cells(), engine.next_id()
                 self._add(Frame.of_engine(step, engine.time(), *state))

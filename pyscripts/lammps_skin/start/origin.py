@@ -1,0 +1,183 @@
+"""The state of another run, from which a run begins: where it is, and what else belongs to it."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lammps_skin.arrays import Ints
+from lammps_skin.errors import ConfigurationError, SceneError
+from lammps_skin.kinds import Kind, is_cell
+from lammps_skin.model.keys import shown
+from lammps_skin.model.scene import Scene
+from lammps_skin.start import lattice
+from lammps_skin.trajectory.dump import Dump
+from lammps_skin.trajectory.frame import Frame
+from lammps_skin.trajectory.store import DUMP, Store, trajectory_of
+
+SAME_TIME = 1e-9  # differences of times that are rounding, of the time or in time units
+HASHED = 16  # digits of the hash of a state
+TOLD = ("lammps", "lammps-skin", "plugin", "commit")
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What a state came from.
+
+    Attributes
+    ----------
+    run : Path
+        Run directory or trajectory.
+    time : float
+    content : str
+        Hash of the state.
+    versions : str
+        Of what made the run, as far as its trajectory names them.
+    scene : Scene
+        That of the run.
+    """
+
+    run: Path
+    time: float
+    content: str
+    versions: str
+    scene: Scene
+
+    @property
+    def directory(self) -> Path:
+        """Directory of the run."""
+        return self.run if self.run.is_dir() else self.run.parent
+
+    def __str__(self) -> str:
+        return f"{self.run} at t = {self.time:.10g}"
+
+    def numbered_in(self, scene: Scene, kinds: Ints) -> Ints:
+        """Kinds (n,) of the state by the numbers that another scene gives to their labels."""
+        numbers = {kind.label: int(kind) for kind in scene.kinds}
+        found = kinds.copy()
+        for number in np.unique(kinds):
+            label = self.scene.kind(int(number)).label
+            if label not in numbers:
+                raise ConfigurationError(f"kinds: the scene has no particles of kind {label}")
+            found[kinds == number] = numbers[label]
+        return found
+
+    def check_fit(self, scene: Scene, kinds: set[int]) -> None:
+        """Raise `SceneError` unless a state of these kinds has lattice and radii of a scene.
+
+        Parameters
+        ----------
+        scene : Scene
+        kinds : set of int
+            Numbers of the kinds in the state.
+        """
+        keys = ["membrane.lattice", "membrane.radius", "membrane.spacing_ratio", "box_height"]
+        if Kind.DERMAL in kinds:
+            keys.append("dermis.radius")
+        if any(map(is_cell, kinds)):
+            keys.append("cells.radius")
+        for key in keys:
+            mine, theirs = _value(scene, key), _value(self.scene, key)
+            if mine != theirs:
+                raise SceneError(
+                    f"{key} = {shown(mine)}: must be {shown(theirs)}, that of the run {self.run} "
+                    "from which the scene begins"
+                )
+
+
+def _value(scene: Scene, key: str) -> Any:
+    found: Any = scene
+    for part in key.split("."):
+        found = getattr(found, part)
+    return found
+
+
+def frame_of(run: str | Path, time: float | None) -> tuple[Frame, Ints, Ints, Origin]:
+    """A frame of a run, the links and hinges of its membrane, and where they came from.
+
+    Parameters
+    ----------
+    run : path
+        Run directory, or the trajectory in it.
+    time : float or None
+        Of a frame; None takes the last one.
+
+    Returns
+    -------
+    frame : Frame
+    links : (l, 2) array of int
+        Indices of the particles of the frame, in the order in which a scene is built.
+    hinges : (h, 4) array of int
+    origin : Origin
+
+    Raises
+    ------
+    SceneError
+        If there is no such run or frame, or its membrane is not the lattice of its scene.
+    SkinError
+        If its trajectory cannot be read.
+    """
+    trajectory = _opened(Path(run))
+    frame = trajectory[_place(trajectory, run, time)]
+    nx, ny = trajectory.scene.membrane.lattice
+    members = np.flatnonzero(frame.kinds == Kind.MEMBRANE)
+    links, hinges = lattice.links_and_hinges((nx, ny))
+    if len(members) != nx * ny or not _same(frame.ids[members[links]], trajectory.links):
+        raise SceneError(
+            f"start.from = {str(run)!r}: its membrane is not the lattice [{nx}, {ny}] of its scene"
+        )
+    told = trajectory.versions if isinstance(trajectory, Store) else {}
+    origin = Origin(
+        run=Path(run).absolute(),
+        time=frame.time,
+        content=_hash(frame),
+        versions=", ".join(f"{name} {told[name]}" for name in TOLD if name in told),
+        scene=trajectory.scene,
+    )
+    return frame, members[links], members[hinges], origin
+
+
+def _opened(run: Path) -> Store | Dump:
+    if run.is_dir():
+        path = trajectory_of(run)
+    elif run.is_file():
+        path = run
+    else:
+        raise SceneError(f"start.from = {str(run)!r}: there is no such run directory or trajectory")
+    return Dump(path) if path.suffix == Path(DUMP).suffix else Store(path)
+
+
+def _place(trajectory: Store | Dump, run: str | Path, time: float | None) -> int:
+    """Number of the frame of a time."""
+    times = np.asarray(trajectory.times, float)
+    if not len(times):
+        raise SceneError(f"start.from = {str(run)!r}: holds no complete frame")
+    if time is None:
+        return len(times) - 1
+    n = int(np.abs(times - time).argmin())
+    if np.isclose(times[n], time, rtol=SAME_TIME, atol=SAME_TIME):
+        return n
+    below, above = times[times < time], times[times > time]
+    near = [f"{t:.10g}" for t in (*below[-1:], *above[:1])]
+    raise SceneError(
+        f"start.time = {time:.10g}: {run} has no frame of this time; the nearest "
+        f"{'are' if near[1:] else 'is'} at {' and '.join(near)}"
+    )
+
+
+def _same(links: Ints, others: Ints) -> bool:
+    """Whether they join the same particles, in whatever order."""
+    ours, theirs = (np.unique(np.sort(pairs, axis=1), axis=0) for pairs in (links, others))
+    return np.array_equal(ours, theirs)
+
+
+def _hash(frame: Frame) -> str:
+    """Hash of all that a run which begins with the frame depends on."""
+    digest = hashlib.sha256(f"{frame.time!r} {frame.next_id}".encode())
+    for values in (frame.edges, frame.ids, frame.kinds, frame.positions, *frame.state.values()):
+        digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()[:HASHED]

@@ -1,0 +1,48 @@
+"""`--from` and `--at`, and where paths of a scene lead."""
+
+from __future__ import annotations
+
+import pytest
+from lammps_skin.engine.built import load_built
+from lammps_skin.model.keys import to_toml
+from lammps_skin.model.scene import Scene
+from lammps_skin.start.configuration import Configuration
+
+TWO = ("--set", "output.dump_interval=1", "--set", "end_time=3")
+
+
+@pytest.fixture
+def parent(skin, tmp_path):
+    """The run of a scene, with frames from 0 to 3."""
+    assert skin("run", "two-cells", *TWO, "-o", "parent").code == 0
+    return tmp_path / "parent"
+
+
+def test_begin_with_the_state_of_a_run(skin, refused, parent, tmp_path):
+    """Paths are relative to the scene file, or to the current directory on a command line."""
+    (tmp_path / "scenes").mkdir()
+    given = Scene.load("two-cells").replace(end_time=9.0).given()
+    file = tmp_path / "scenes" / "fork.toml"
+    file.write_text(to_toml({**given, "start": {"from": "../parent", "time": 2.0}}))
+    content = Configuration.from_run(parent, 2.0).origin.content
+    commands = {
+        "file": ("scenes/fork.toml",),
+        "options": ("two-cells", "--from", "parent", "--at", 2),
+        "trajectory": ("two-cells", "--from", "parent/skin.h5", "--at", 2),
+        "other": ("scenes/fork.toml", "--from", "parent", "--at", 2, "--seed", 7),
+    }
+    for name, words in commands.items():
+        assert skin("build", *words, "-o", name).code == 0
+        assert load_built(tmp_path / name).start.content == content, name
+    assert skin("build", "two-cells", "--from", "parent", "-o", "last").code == 0
+    assert load_built(tmp_path / "last").start.time == 3.0
+    assert skin("check", "scenes/fork.toml").code == 0
+    assert "nearest are at 1 and 2" in refused("check", "scenes/fork.toml", "--at", 1.5)
+    assert "--until = 2: must be a time after the start, 2" in refused("run", "file", "--until", 2)
+    assert "--until = 1: must be a time after" in refused("run", "scenes/fork.toml", "--until", 1)
+    assert "--at: a built directory is run as it is" in refused("run", "file", "--at", 1)
+    assert "start.time = 1.0: needs start.from" in refused(
+        "build", "two-cells", "--at", 1, "-o", "x"
+    )
+    ended = skin("run", "file", "--until", 2.5)
+    assert ended.code == 0 and "reached t = 2.5" in ended.out
