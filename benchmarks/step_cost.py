@@ -112,7 +112,7 @@ def half(scene: Scene) -> float:
 
 def stock_tables(scene: Scene) -> dict[tuple[int, int], Table]:
     """One table for each pair of types: the sum of its terms; nothing at all as zeros."""
-    shapes = Terms(scene).shapes
+    shapes = Terms(scene).pair_potentials
     kinds = scene.kinds
     tables = {}
     for i, first in enumerate(kinds, 1):

@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, get_origin
 
+import lammps_skin
 import numpy as np
 import pytest
 from lammps_skin.cli import COMMANDS, application
@@ -421,6 +422,13 @@ def test_terms() -> None:
     assert ours | {"fix skin/motion", "pair_style skin/core"} == styles
     titles = re.findall(r"^# (.+) command$", "\n".join(map(text, PAGES_OF_STYLES)), re.MULTILINE)
     assert sorted(titles) == sorted(styles)
+
+
+def test_the_readme_names_every_public_name() -> None:
+    table = section("README.md", "Python")
+    assert {name for row in rows(table) for name in codes(row[0])} | {
+        name for name in codes(table) if name.endswith("Error")
+    } == set(lammps_skin.__all__)
 
 
 def test_the_readme_names_every_page() -> None:

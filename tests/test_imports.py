@@ -5,6 +5,7 @@ import sys
 
 import lammps_skin
 import pytest
+from lammps_skin import errors
 
 HEAVY = {"numpy", "scipy", "pydantic", "lammps", "h5py", "MDAnalysis", "typer", "rich"}
 
@@ -38,6 +39,15 @@ def test_the_help_of_skin_imports_nothing_heavy():
 def test_public_names_are_there_at_first_use(name):
     assert getattr(lammps_skin, name).__name__ == name
     assert name in dir(lammps_skin)
+
+
+def test_all_errors_are_there():
+    ours = {name for name, kind in vars(errors).items() if is_error(kind)}
+    assert ours and ours == {name for name in lammps_skin.__all__ if name.endswith("Error")}
+
+
+def is_error(kind):
+    return isinstance(kind, type) and issubclass(kind, errors.SkinError)
 
 
 def test_other_names_are_not():

@@ -113,7 +113,7 @@ def test_check_says_what_could_be_left_out(skin):
 
 
 def test_check_measures_what_could_be_left_out():
-    from lammps_skin.study.savings import measured
+    from lammps_skin.study.simplifications import measured
 
     scene = Scene.load("one-stem").replace(**{"cells.stem": 0})
     found = {next(iter(saving.changes)): saving.time for saving in measured(scene, steps=4)}

@@ -2,8 +2,8 @@
 
 import pytest
 from lammps_skin.errors import SceneError
-from lammps_skin.model.keys import near
 from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene_keys import near
 
 KEYS = {
     '"a.b" = 1': ('"a.b" = 1: unknown key; allowed: name, ', None),

@@ -7,12 +7,12 @@ from importlib.metadata import version
 from types import SimpleNamespace
 
 import pytest
-from lammps_skin.cli.journey import NOTEWORTHY, TOO_MUCH, Journey
+from lammps_skin.cli.monitor import NOTEWORTHY, TOO_MUCH, RunMonitor
 from lammps_skin.cli.output import console, print_table
 from lammps_skin.cli.progress import Progress
 from lammps_skin.engine.engine import Motion
 from lammps_skin.model.scene import Scene
-from lammps_skin.study.savings import candidates
+from lammps_skin.study.simplifications import candidates
 
 SMALL = ("--set", "membrane.lattice=[12,14]")
 ORDERS = ("\x1b]0;x\x07", "\x1b[2J", "\x9b31m", "\x08\x08", "\r", "\x7f", "\u202e", "\x00")
@@ -127,12 +127,12 @@ def test_beyond_the_neighbor_lists(share, said):
     """Whether the run is valid is said with the share."""
     stages, steps, particles = 5, 100, 1000
     beyond = share * (stages - 1) * steps * particles
-    journey = SimpleNamespace(
+    monitor = SimpleNamespace(
         _motion=Motion(0, steps, stages * steps, 0, 1, steps, beyond), _particles=particles,
         _coverage=None, living=lambda: "", births=0, removals=0,
     )  # fmt: skip
     for name in ("_beyond", "_verdict"):
-        setattr(journey, name, getattr(Journey, name).__get__(journey))
-    _, *lines = Journey.lines(journey, SimpleNamespace(exists=lambda: False))
+        setattr(monitor, name, getattr(RunMonitor, name).__get__(monitor))
+    _, *lines = RunMonitor.lines(monitor, SimpleNamespace(exists=lambda: False))
     assert bool(lines) == (said is not None)
     assert said is None or (f"{share:.2%} of the particles" in lines[0] and said in lines[0])

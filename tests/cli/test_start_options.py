@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from lammps_skin.engine.built import load_built
-from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.start.configuration import Configuration
 
 TWO = ("--set", "output.dump_interval=1", "--set", "end_time=3")

@@ -6,7 +6,7 @@ import shutil
 
 import numpy as np
 import pytest
-from lammps_skin.analysis.observables import COLUMNS, save
+from lammps_skin.analysis.observables import COLUMNS, write_table
 from lammps_skin.errors import FigureError
 from lammps_skin.figures.paper import FIGURES, Request, figure_of, run_of
 from lammps_skin.model.scene import Scene
@@ -46,7 +46,7 @@ def test_every_seed_that_has_no_table_is_missing(tmp_path):
     asked = request(3, tmp_path)
     assert len(asked.missing) == 3 * 8
     done = Member(asked.scenes["ring"].replace(seed=2), tmp_path)
-    save(rows(1.0), done.table)
+    write_table(rows(1.0), done.table)
     assert len(asked.missing) == 3 * 8 - 1
     assert done not in asked.missing
 
@@ -55,7 +55,7 @@ def test_a_gathered_table_is_taken_as_it_is(tmp_path):
     asked = request(3, tmp_path)
     for name, scene in asked.scenes.items():
         parts = [with_seed(rows(seed), seed) for seed in ((1, 2, 3) if name == "ring" else (1,))]
-        save(np.concatenate(parts), Member(scene, tmp_path).gathered)
+        write_table(np.concatenate(parts), Member(scene, tmp_path).gathered)
     assert not asked.missing
     lines = asked.draw().axes[0].lines
     assert [line.get_ydata()[0] for line in lines[:3]] == [2, 1, 1]
@@ -64,14 +64,14 @@ def test_a_gathered_table_is_taken_as_it_is(tmp_path):
 def test_given_seeds_are_completed_by_runs(tmp_path):
     asked = request(3, tmp_path, seeds=[2, 5])
     for scene in asked.scenes.values():
-        save(
+        write_table(
             np.concatenate([with_seed(rows(s), s) for s in (1, 2)]),
             Member(scene, tmp_path).gathered,
         )
     missing = asked.missing
     assert [member.scene.seed for member in missing] == [5, 5, 5]
     for member in missing:
-        save(rows(8.0), member.table)
+        write_table(rows(8.0), member.table)
     assert not asked.missing
     assert asked.draw().axes[0].lines[0].get_ydata()[0] == 5  # of seeds 2 and 5
 
@@ -80,8 +80,8 @@ def test_tables_with_other_columns_are_refused(tmp_path):
     asked = request(3, tmp_path, seeds=[1, 2])
     for scene in asked.scenes.values():
         old = with_seed(rows(1.0), 1)[["seed", "time", "zeta"]]
-        save(old, Member(scene, tmp_path).gathered)
-        save(rows(1.0), Member(scene.replace(seed=2), tmp_path).table)
+        write_table(old, Member(scene, tmp_path).gathered)
+        write_table(rows(1.0), Member(scene.replace(seed=2), tmp_path).table)
     with pytest.raises(FigureError, match=r"quarter-ring .* have different columns"):
         asked.draw()
 
@@ -90,7 +90,7 @@ def test_tables_with_other_columns_are_refused(tmp_path):
 def test_figures_of_tables(tmp_path, number):
     asked = request(number, tmp_path)
     for scene in asked.scenes.values():
-        save(with_seed(rows(1.0), 1), Member(scene, tmp_path).gathered)
+        write_table(with_seed(rows(1.0), 1), Member(scene, tmp_path).gathered)
     for axes in asked.draw().axes:
         assert axes.lines
 

@@ -10,8 +10,8 @@ from typing import Any
 from hypothesis import strategies as st
 from lammps_skin.engine.engine import lammps_message, open_lammps
 from lammps_skin.errors import SkinError
-from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.start.packing import dermal_count
 from pydantic import BaseModel
 

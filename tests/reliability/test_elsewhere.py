@@ -15,7 +15,7 @@ import pytest
 from lammps_skin.engine import ranks
 from lammps_skin.engine.ranks import RankedEngine, check_shared_memory
 from lammps_skin.errors import SimulationError
-from lammps_skin.model.keys import to_toml
+from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.run.remedies import remedy
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.memory import group_limits

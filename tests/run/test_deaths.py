@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from lammps_skin.errors import SkinError
-from lammps_skin.run import hold
+from lammps_skin.run import directory_lock
 from lammps_skin.run.checkpoints import find_resumption
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.trajectory.store import Store
@@ -206,7 +206,7 @@ def test_a_run_that_goes_on_is_left_alone(
 ) -> None:
     directory = tmp_path / "run"
     shutil.copytree(halfway, directory)
-    monkeypatch.setattr(hold, "PATIENCE", 0.1)
+    monkeypatch.setattr(directory_lock, "PATIENCE", 0.1)
     with Simulation.resume(directory):
         before = {path.name: path.read_bytes() for path in directory.iterdir()}
         with pytest.raises(SkinError, match=f"{directory}: another process still runs in it"):

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from lammps_skin.cli import application
 from lammps_skin.errors import SkinError
-from lammps_skin.run import hold
+from lammps_skin.run import directory_lock
 from lammps_skin.run.simulation import Simulation
 from typer.testing import CliRunner
 
@@ -55,7 +55,7 @@ def test_a_new_run_that_cannot_begin_leaves_the_old_one(run: Path) -> None:
 
 
 def test_a_running_simulation_is_left_alone(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hold, "PATIENCE", 0.2)
+    monkeypatch.setattr(directory_lock, "PATIENCE", 0.2)
     with Simulation.resume(run):
         with pytest.raises(SkinError, match="another process still runs in it"):
             Simulation.begin_built(run, replace=True)

@@ -181,7 +181,7 @@ def observables(path: str | Path) -> Table:
 # ---- tables on disk
 
 
-def save(table: Table, path: Path, comments: Iterable[str] = ()) -> None:
+def write_table(table: Table, path: Path, comments: Iterable[str] = ()) -> None:
     """Write a table as CSV, packed if the name ends in .gz; the same table gives the same bytes.
 
     Numbers have 7 digits. A file that is there is replaced when the new one is complete.
@@ -200,8 +200,8 @@ def save(table: Table, path: Path, comments: Iterable[str] = ()) -> None:
         raise SkinError(f"table {path}: {error.strerror}") from None
 
 
-def load(path: str | Path) -> Table:
-    """Structured array of a table that `save` has written."""
+def read_table(path: str | Path) -> Table:
+    """Structured array of a table that `write_table` has written."""
     path = Path(path)
     try:
         content = path.read_bytes()

@@ -20,7 +20,7 @@ from lammps_skin.cli.options import (
 )
 from lammps_skin.cli.output import console
 from lammps_skin.model.scene import Scene
-from lammps_skin.run.hold import Hold
+from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.start.build import build as build_scene
 from lammps_skin.start.configuration import Configuration
 
@@ -39,7 +39,7 @@ def build(
 ) -> None:
     """Write a scene as LAMMPS input: scripts, tables, data file."""
     described = scene_from(scene, parameters, settings, accuracy, seed, run, at)
-    with Hold(output, make=True), console.status("building"):
+    with DirectoryLock(output, make=True), console.status("building"):
         keep_results(output, "its inputs belong to them; give another")
         configuration = build_scene(described, output)
     counts = particles(described, configuration)

@@ -29,7 +29,7 @@ from lammps_skin.start import memory
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.configuration import Configuration, check_sizes
 from lammps_skin.study import cost
-from lammps_skin.study.savings import Saving, candidates, measured
+from lammps_skin.study.simplifications import Simplification, candidates, measured
 
 
 def check(
@@ -187,7 +187,7 @@ def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
     yield "the whole run", f"about {duration(factor * expected.seconds)}"
 
 
-def _savings(found: list[Saving]) -> Iterator[tuple[str, ...]]:
+def _savings(found: list[Simplification]) -> Iterator[tuple[str, ...]]:
     for saving in found:
         keys = ", ".join(f"{key} = {str(value).lower()}" for key, value in saving.changes.items())
         measure = () if math.isnan(saving.time) else (f"x {saving.time:.2f}",)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from lammps_skin.cli.output import console
-from lammps_skin.run.hold import Hold
+from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.trajectory.convert import convert as convert_directory
 
 
@@ -22,6 +22,6 @@ def convert(
     ] = None,
 ) -> None:
     """Write the trajectory of a run, skin.dump, as an H5MD file that MDAnalysis reads."""
-    with Hold(directory), console.status("converting"):
+    with DirectoryLock(directory), console.status("converting"):
         path, frames, slots = convert_directory(directory, output)
     console.print(f"{path}: {frames} frames, {slots} particles in all")

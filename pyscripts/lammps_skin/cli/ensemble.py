@@ -41,6 +41,7 @@ def ensemble(
     settings: Settings = None,
 ) -> None:
     """Run scenes with many seeds, and store the observables of each run."""
+    from lammps_skin.analysis.observables import read_table
     from lammps_skin.study import ensemble as ensembles
 
     if not scenes and not runs:
@@ -70,7 +71,7 @@ def ensemble(
         raise typer.Exit(INTERRUPTED) from None
     finally:
         for path in ensembles.gather(members):
-            console.print(f"{path}: {len(set(ensembles.load(path)['seed']))} seeds")
+            console.print(f"{path}: {len(set(read_table(path)['seed']))} seeds")
     for label, text in failures.items():
         console.print(f"failed: {label}: {text}")
     if failures:

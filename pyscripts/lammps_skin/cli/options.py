@@ -11,8 +11,8 @@ import typer
 
 from lammps_skin.errors import SceneError
 from lammps_skin.model.accuracy import LEVELS
-from lammps_skin.model.keys import shown
 from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene_keys import shown
 from lammps_skin.run.results import holds_results
 
 Source = Annotated[

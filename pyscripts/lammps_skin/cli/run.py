@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from lammps_skin.cli.journey import Journey
+from lammps_skin.cli.monitor import RunMonitor
 from lammps_skin.cli.options import (
     Accuracy,
     At,
@@ -26,7 +26,7 @@ from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
-from lammps_skin.run.hold import Hold
+from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.run.results import RESTARTS, replaced_results, restart_files
 from lammps_skin.run.simulation import Simulation, check_run, start_time
 from lammps_skin.start.configuration import Configuration
@@ -77,16 +77,16 @@ def run(
         raise SceneError("--resume: goes on with the run in a directory, as it is; give that")
     if timestep is not None and not resume:
         raise SceneError("--timestep: goes with --resume; else give --set numerics.timestep=...")
-    with Hold(directory, make=scene is not None) as held:
+    with DirectoryLock(directory, make=scene is not None) as lock:
         if resume:
-            simulation = _resumed(held, directory, ranks, threads, until, timestep)
+            simulation = _resumed(lock, directory, ranks, threads, until, timestep)
         else:
-            simulation = _begun(held, scene, directory, ranks, threads, until, force)
+            simulation = _begun(lock, scene, directory, ranks, threads, until, force)
         _watch(simulation, directory, until, began)
 
 
 def _begun(
-    held: Hold, scene: Scene | None, directory: Path, ranks: int, threads: int,
+    lock: DirectoryLock, scene: Scene | None, directory: Path, ranks: int, threads: int,
     until: float | None, force: bool,
 ) -> Simulation:  # fmt: skip
     """The simulation of a scene, from its initial state."""
@@ -99,14 +99,14 @@ def _begun(
     with console.status("building"):
         configuration = Configuration.from_scene(scene) if scene else None
         with replaced_results(directory):
-            how: dict[str, Any] = {"replace": force, "held": held}
+            how: dict[str, Any] = {"replace": force, "lock": lock}
             if scene is None:
                 return Simulation.begin_built(directory, ranks, threads, **how)
             return Simulation.begin(scene, directory, configuration, ranks, threads, **how)
 
 
 def _resumed(
-    held: Hold, directory: Path, ranks: int, threads: int, until: float | None,
+    lock: DirectoryLock, directory: Path, ranks: int, threads: int, until: float | None,
     timestep: float | None,
 ) -> Simulation:  # fmt: skip
     """The simulation of a run that has ended before its time."""
@@ -114,7 +114,7 @@ def _resumed(
         raise SimulationError(f"--timestep = {timestep:g}: must be a number greater than 0")
     with console.status("resuming"):
         changed = {} if timestep is None else {"timestep": repr(timestep)}
-        simulation = Simulation.resume(directory, ranks, threads, changed, held)
+        simulation = Simulation.resume(directory, ranks, threads, changed, lock)
     for note in simulation.notes:
         console.print(note)
     end = simulation.scene.end_time if until is None else until
@@ -130,10 +130,10 @@ def _resumed(
 
 def _watch(simulation: Simulation, directory: Path, until: float | None, began: float) -> None:
     """Run with a progress bar, and tell in the end what has happened."""
-    journey, end = Journey(simulation, until), "stopped after"
+    monitor, end = RunMonitor(simulation, until), "stopped after"
     try:
         with simulation:
-            journey.go()
+            monitor.go()
         end = "reached"
     except KeyboardInterrupt:
         end = "interrupted at"
@@ -143,8 +143,8 @@ def _watch(simulation: Simulation, directory: Path, until: float | None, began: 
         raise
     finally:
         seconds = time.perf_counter() - began
-        console.print(f"{simulation.scene.name}: {end} t = {journey.time:.6g}, {seconds:.1f} s")
-        for line in journey.lines(directory / "events.csv"):
+        console.print(f"{simulation.scene.name}: {end} t = {monitor.time:.6g}, {seconds:.1f} s")
+        for line in monitor.lines(directory / "events.csv"):
             console.print(f"  {line}")
         _name_files(directory, ended=end == "reached")
 

@@ -20,7 +20,7 @@ from lammps_skin.cli.options import (
 from lammps_skin.cli.output import console, print_table
 from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError, SimulationError
-from lammps_skin.model.keys import near
+from lammps_skin.model.scene_keys import near
 
 if TYPE_CHECKING:
     from lammps_skin.study.stability.methods import Method

@@ -24,7 +24,7 @@ from lammps_skin.study.tradeoff.grid import Grid, Variant, variants
 
 if TYPE_CHECKING:
     from lammps_skin.study.tradeoff.bias import Bias, Window
-    from lammps_skin.study.tradeoff.measure import Laboratory
+    from lammps_skin.study.tradeoff.measure import Measurements
     from lammps_skin.study.tradeoff.report import Report
 
 
@@ -83,10 +83,10 @@ def tradeoff(
     times = bias.windows_of(windows, scene.end_time)
     if not quick:
         bias.check_ensemble(found[0], numbers)
-    laboratory = measure.Laboratory(scene, output / "measured", start, interval)
+    measurements = measure.Measurements(scene, output / "measured", start, interval)
     failures: dict[str, str] = {}
     try:
-        _measure(laboratory, found)
+        _measure(measurements, found)
         if not (quick or present):
             members = [
                 member
@@ -100,7 +100,7 @@ def tradeoff(
         raise typer.Exit(INTERRUPTED) from None
 
     biases = {} if quick else _biases(found, numbers, data, times)
-    report = _report(laboratory, found, start, biases)
+    report = _report(measurements, found, start, biases)
     _show(report, output, scene.name)
     for label, text in failures.items():
         console.print(f"failed: {label}: {text}")
@@ -124,42 +124,44 @@ def variant_from(text: str) -> tuple[str, dict[str, Any]]:
         ) from None
 
 
-def _measure(laboratory: Laboratory, found: list[Variant]) -> None:
+def _measure(measurements: Measurements, found: list[Variant]) -> None:
     """Trajectories and timings that are missing, with a progress bar in force evaluations."""
     from lammps_skin.study.tradeoff.measure import ROUNDS
 
     trajectories = [
-        one for one in (laboratory.finest(), *found) if not laboratory.reached_path(one).exists()
+        one
+        for one in (measurements.finest(), *found)
+        if not measurements.end_state_path(one).exists()
     ]
-    sittings = laboratory.sittings(found)
-    console.print(f"{len(trajectories)} trajectories and {len(sittings)} rounds of timing to do")
-    if not trajectories and not sittings:
+    groups = measurements.timing_groups(found)
+    console.print(f"{len(trajectories)} trajectories and {len(groups)} rounds of timing to do")
+    if not trajectories and not groups:
         return
 
     def work(one: Variant) -> float:
         numerics = one.scene.numerics
-        return laboratory.interval * numerics.evaluations / numerics.timestep
+        return measurements.interval * numerics.evaluations / numerics.timestep
 
-    total = sum(map(work, trajectories)) + ROUNDS * sum(map(work, chain(*sittings)))
+    total = sum(map(work, trajectories)) + ROUNDS * sum(map(work, chain(*groups)))
     done = 0.0
     with Progress(total) as progress:
         for one in trajectories:
             part = work(one)
 
             def advance(name: str, time: float, part: float = part, done: float = done) -> None:
-                progress.show(done + part * time / laboratory.interval, f"trajectory of {name}")
+                progress.show(done + part * time / measurements.interval, f"trajectory of {name}")
 
-            laboratory.reached(one, advance)
+            measurements.end_state(one, advance)
             done += part
-        for sitting in sittings:
-            parts = {one.name: work(one) for one in sitting}
+        for group in groups:
+            parts = {one.name: work(one) for one in group}
 
             def turn(name: str, _: float, parts: dict[str, float] = parts) -> None:
                 nonlocal done
                 done += parts[name]
                 progress.show(done, f"time of {name}")
 
-            laboratory.sit(sitting, turn)
+            measurements.time_group(group, turn)
 
 
 def _biases(
@@ -178,34 +180,37 @@ def _biases(
 
 
 def _report(
-    laboratory: Laboratory, found: list[Variant], start: Path | None, biases: dict[str, list[Bias]]
+    measurements: Measurements,
+    found: list[Variant],
+    start: Path | None,
+    biases: dict[str, list[Bias]],
 ) -> Report:
     """All that has been measured."""
     from lammps_skin.study.tradeoff.errors import distance, orders
     from lammps_skin.study.tradeoff.report import Report, row
 
-    truth = laboratory.reached(laboratory.finest())
+    truth = measurements.end_state(measurements.finest())
     if truth.problem:
         raise SceneError(f"the finest run, with which all are compared: {truth.problem}")
-    reached = {one.name: laboratory.reached(one) for one in found}
-    sides = laboratory.scene.box_sides
+    reached = {one.name: measurements.end_state(one) for one in found}
+    sides = measurements.scene.box_sides
     distances = {name: distance(run, truth, sides) for name, run in reached.items()}
     rows = [
         row(
-            one, laboratory.interval, reached[one.name], laboratory.timing(one),
+            one, measurements.interval, reached[one.name], measurements.timing(one),
             distances[one.name], biases.get(one.name, []),
         )
         for one in found
     ]  # fmt: skip
     whence = "its start" if start is None else str(start)
-    timestep = laboratory.finest().scene.numerics.timestep
+    timestep = measurements.finest().scene.numerics.timestep
     notes = [
-        f"Runs of {laboratory.interval:g} time units from {whence}. rms, median, largest: "
+        f"Runs of {measurements.interval:g} time units from {whence}. rms, median, largest: "
         "distances of particles, without births and removals, from forward Euler with a timestep "
         f"of {timestep:g}. CPU: over the reference, by turns in one process, with births and "
         "removals."
     ]
-    return Report(laboratory.scene.name, notes, rows, orders(found, distances), biases)
+    return Report(measurements.scene.name, notes, rows, orders(found, distances), biases)
 
 
 def _show(report: Report, output: Path, name: str) -> None:

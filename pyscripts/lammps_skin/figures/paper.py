@@ -10,12 +10,12 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from lammps_skin.analysis.observables import Table, load
+from lammps_skin.analysis.observables import Table, read_table
 from lammps_skin.errors import FigureError, SkinError
-from lammps_skin.figures.courses import ORDERS, TISSUE, draw_courses, draw_stem_and_nd
-from lammps_skin.figures.curves import draw_potentials
 from lammps_skin.figures.gallery import draw_run, draw_scenes
 from lammps_skin.figures.moments import last_time
+from lammps_skin.figures.potential_curves import draw_potentials
+from lammps_skin.figures.time_courses import ORDERS, TISSUE, draw_courses, draw_stem_and_nd
 from lammps_skin.model.scene import Scene
 from lammps_skin.study.ensemble import Member, member_of, members, with_seed
 
@@ -130,13 +130,13 @@ class Request:
 
     def _gathered(self, scene: Scene) -> Table | None:
         path = Member(scene, self.folder).gathered
-        return load(path) if path.is_file() else None
+        return read_table(path) if path.is_file() else None
 
     def _table(self, scene: Scene) -> Table:
         """Rows of the wanted seeds, from the gathered table and from runs that are not in it."""
         there = self._gathered(scene)
         parts = [] if there is None else [there]
-        parts += [with_seed(load(m.table), m.seed) for m in self._wanted(scene)]
+        parts += [with_seed(read_table(m.table), m.seed) for m in self._wanted(scene)]
         if len({part.dtype.names for part in parts}) > 1:
             raise FigureError(
                 f"tables of {scene.name} in {self.folder}: have different columns; gather them "

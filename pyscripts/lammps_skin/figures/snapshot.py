@@ -16,8 +16,8 @@ from lammps_skin.figures.plane import draw_heights, draw_section, highest_stem
 from lammps_skin.figures.scenery import view
 from lammps_skin.files import completed
 from lammps_skin.kinds import Kind
-from lammps_skin.model.keys import near
 from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene_keys import near
 from lammps_skin.style import plain
 
 NAMES = {Kind.EXHAUSTED: "TA, exhausted"}  # in a legend, of kinds with another name than theirs

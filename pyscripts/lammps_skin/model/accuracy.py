@@ -95,7 +95,7 @@ def _longest(level: str, integrator: str) -> tuple[float, float]:
     return (2 * longest / limit, 2) if integrator == "euler" else (longest, limit)
 
 
-def reach(integrator: str, stages: int) -> float:
+def stability_limit(integrator: str, stages: int) -> float:
     """Timestep times largest eigenvalue up to which a step is stable, docs/fix_skin_motion.md.
 
     On the negative real axis: 2 for forward Euler, s^2 + s and (s^2 + s - 2) / 2 for the

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from lammps_skin.kinds import KINDS, Colour, Kind
-from lammps_skin.model.keys import near, shown
 from lammps_skin.model.parts import Cells, KindKeys
+from lammps_skin.model.scene_keys import near, shown
 
 ROWS: dict[str, dict[str, Any]] = {
     "stem": {"adhesion": "bound", "daughter": "ta", "generations": "endless"},

@@ -17,7 +17,6 @@ from lammps_skin.kinds import Kind
 from lammps_skin.model import accuracy, parameters
 from lammps_skin.model.accuracy import DEFAULT_LEVEL, LEVELS
 from lammps_skin.model.cell_kinds import CellKind, cell_kinds, contradictions, reached
-from lammps_skin.model.keys import as_tuples, first_line, merged, near, shown, with_absolute_paths
 from lammps_skin.model.parts import (
     Cells,
     Dermis,
@@ -28,6 +27,14 @@ from lammps_skin.model.parts import (
     Positive,
     Seed,
     Start,
+)
+from lammps_skin.model.scene_keys import (
+    as_tuples,
+    first_line,
+    merged,
+    near,
+    shown,
+    with_absolute_paths,
 )
 
 LARGEST_FILE = 1_000_000  # bytes of a scene file

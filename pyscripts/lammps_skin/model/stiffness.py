@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_skin.model.accuracy import reach
+from lammps_skin.model.accuracy import stability_limit
 from lammps_skin.model.parts import Membrane
 from lammps_skin.model.potentials import stretch_slope
 from lammps_skin.model.scene import Scene
@@ -75,7 +75,7 @@ def _relative(membrane: Membrane) -> float:
 def longest_timestep(scene: Scene) -> float:
     """The longest timestep that can be stable with the scene's integrator, without dividing it."""
     eigenvalue = stiffest(scene).eigenvalue
-    stable = reach(scene.numerics.integrator, scene.numerics.stages)
+    stable = stability_limit(scene.numerics.integrator, scene.numerics.stages)
     return stable / eigenvalue if eigenvalue else math.inf
 
 

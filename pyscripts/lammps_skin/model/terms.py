@@ -61,10 +61,11 @@ class StyledTerm:
 
 
 @dataclass(frozen=True)
-class Shape:
+class PairPotential:
     """A pair potential K u(d/D), its range in contact lengths, and where its table begins.
 
-    `own` is its style in the plugin, `more` what that wants to know besides K, D and the range.
+    `plugin_style` is its style in the plugin, `extra` what that wants to know besides K, D and the
+    range.
     """
 
     name: str
@@ -74,13 +75,13 @@ class Shape:
     energy: Callable[[Floats], Floats]
     slope: Callable[[Floats], Floats]
     inner: float
-    own: str = "skin/lj"
-    more: tuple[float, ...] = ()
+    plugin_style: str = "skin/lj"
+    extra: tuple[float, ...] = ()
 
     @property
     def lennard_jones(self) -> bool:
         """Whether it is exactly a stock ``lj/cut``."""
-        return self.own == "skin/lj"
+        return self.plugin_style == "skin/lj"
 
     def table(self, points: int) -> Table:
         # the last point is inside the range: what jumps to 0 there keeps its limit from within
@@ -126,7 +127,7 @@ class Terms:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the terms that the scene has, in the order of `TERMS`."""
-        present = {*self.shapes, "stretch", "bend"}
+        present = {*self.pair_potentials, "stretch", "bend"}
         if self.scene.dermis.present:
             present.add("wall")
         if self.scene.has_cells:
@@ -134,14 +135,14 @@ class Terms:
         return tuple(name for name in TERMS if name in present)
 
     @cached_property
-    def shapes(self) -> dict[str, Shape]:
+    def pair_potentials(self) -> dict[str, PairPotential]:
         """The pair terms as formulas, by name."""
-        return {shape.name: shape for shape in _pair_shapes(self.scene)}
+        return {shape.name: shape for shape in _pair_potentials(self.scene)}
 
     @cached_property
     def pairs(self) -> tuple[StyledTerm, ...]:
         """The sub-styles of ``pair_style hybrid/overlay`` and their coefficients, in order."""
-        return tuple(_styled(shape, self.scene) for shape in self.shapes.values())
+        return tuple(_styled(shape, self.scene) for shape in self.pair_potentials.values())
 
     @cached_property
     def cores(self) -> dict[str, str]:
@@ -150,7 +151,7 @@ class Terms:
         Empty where there is nothing to watch: the pair styles of the plugin know their cores. Fix
         skin/cells watches cells and the membrane, but not before a table has come to its end.
         """
-        return _cores([*self.shapes.values()], self.scene.numerics.pair_form)
+        return _cores([*self.pair_potentials.values()], self.scene.numerics.pair_form)
 
     @cached_property
     def stretch(self) -> StyledTerm:
@@ -207,7 +208,7 @@ class Terms:
     @cached_property
     def cutoffs(self) -> dict[str, float]:
         """Ranges of the pair terms and of adhesion, as far as the scene has them."""
-        found = {name: shape.contact * shape.range for name, shape in self.shapes.items()}
+        found = {name: shape.contact * shape.range for name, shape in self.pair_potentials.items()}
         if self.scene.has_cells:
             found["adhesion"] = self.scene.longest_range * self.scene.contact
         return found
@@ -218,12 +219,12 @@ class Terms:
         return 2 * self.scene.membrane.radius * (1 + self.scene.membrane.spacing_ratio)
 
 
-def _pair_shapes(scene: Scene) -> list[Shape]:
+def _pair_potentials(scene: Scene) -> list[PairPotential]:
     """The pair terms that a scene has."""
     dermis, membrane, cells = scene.dermis, scene.membrane, scene.cells
     ex, ex_slope = potentials.exclusion, potentials.exclusion_slope
     shapes = [
-        Shape(
+        PairPotential(
             "membrane_exclusion", membrane.exclusion_stiffness, scene.spacing, 1.0,
             ex, ex_slope, 0.3,
         )
@@ -231,12 +232,12 @@ def _pair_shapes(scene: Scene) -> list[Shape]:
     if dermis.present:
         reach, a1, d1 = dermis.attraction_range, dermis.softening, dermis.softening_onset
         shapes += [
-            Shape(
+            PairPotential(
                 "dermis_membrane", dermis.membrane_stiffness, membrane.radius + dermis.radius,
                 reach, lambda x: potentials.truncated(x, reach),
                 lambda x: potentials.truncated_slope(x, reach), 0.3,
             ),
-            Shape(
+            PairPotential(
                 "dermis_dermis", dermis.stiffness, 2 * dermis.radius, reach,
                 lambda x: potentials.dermis(x, reach, a1, d1),
                 lambda x: potentials.dermis_slope(x, reach, a1, d1), 0.1, "skin/dermis", (a1, d1),
@@ -246,15 +247,15 @@ def _pair_shapes(scene: Scene) -> list[Shape]:
         lam = cells.adhesion_range
         scale = 2 * cells.radius if scene.force_scale == "direct" else 1.0
         shapes += [
-            Shape(
+            PairPotential(
                 "cell_membrane_exclusion", cells.membrane_exclusion_stiffness, scene.contact, 1.0,
                 ex, ex_slope, 0.3,
             ),
-            Shape(
+            PairPotential(
                 "cell_cell_exclusion", cells.exclusion_stiffness, 2 * cells.radius, 1.0,
                 ex, ex_slope, 0.3,
             ),
-            Shape(
+            PairPotential(
                 "cell_cell_adhesion", cells.cell_adhesion_stiffness * scale, 2 * cells.radius, lam,
                 lambda x: potentials.shifted_adhesion(x, lam),
                 lambda x: potentials.adhesion_slope(x, lam), 0.02, "skin/adhesion",
@@ -263,12 +264,12 @@ def _pair_shapes(scene: Scene) -> list[Shape]:
     return shapes
 
 
-def _styled(shape: Shape, scene: Scene) -> StyledTerm:
+def _styled(shape: PairPotential, scene: Scene) -> StyledTerm:
     """A pair term as the style that the scene wants."""
     numerics, cutoff = scene.numerics, shape.contact * shape.range
     if numerics.pair_form == "skin":
-        values = shape.stiffness, shape.contact, *shape.more, shape.range
-        return StyledTerm(shape.name, shape.own, " ".join(map(repr, values)))
+        values = shape.stiffness, shape.contact, *shape.extra, shape.range
+        return StyledTerm(shape.name, shape.plugin_style, " ".join(map(repr, values)))
     if shape.lennard_jones and numerics.pair_form == "analytic":
         coefficients = lennard_jones(shape.stiffness, shape.contact, cutoff)
         return StyledTerm(shape.name, f"lj/cut {cutoff!r}", coefficients)
@@ -278,7 +279,7 @@ def _styled(shape: Shape, scene: Scene) -> StyledTerm:
     return StyledTerm(shape.name, style, coefficients, table)
 
 
-def _cores(shapes: list[Shape], form: str) -> dict[str, str]:
+def _cores(shapes: list[PairPotential], form: str) -> dict[str, str]:
     if form == "skin":
         return {}
     found = {PAIRS[shape.name]: "none" for shape in shapes}

@@ -243,7 +243,7 @@ def evaluate(
 
 def _adhesion_plateau(scene: Scene, configuration: Configuration) -> float:
     """The plateau of u_ad that the pairs within its range have in the unshifted convention."""
-    shape = Terms(scene).shapes.get("cell_cell_adhesion")
+    shape = Terms(scene).pair_potentials.get("cell_cell_adhesion")
     if shape is None:
         return 0.0
     pairs = _pairs_within(configuration, shape.range * shape.contact)

@@ -19,7 +19,7 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.model.stiffness import longest_timestep
 from lammps_skin.model.terms import Terms
 from lammps_skin.run.checkpoints import PART, Checkpoints, find_resumption
-from lammps_skin.run.hold import Hold
+from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.run.interruption import Interruption
 from lammps_skin.run.remedies import remedy
 from lammps_skin.run.results import holds_results
@@ -60,7 +60,7 @@ class Simulation:
         ranks: int,
         threads: int,
         variables: Mapping[str, Any],
-        held: Hold,
+        lock: DirectoryLock,
         temporary: bool = False,
     ) -> None:
         """Open LAMMPS with the scene that is built in a directory, which is held."""
@@ -70,7 +70,7 @@ class Simulation:
         self._temporary = temporary
         self._recorder = Recorder(directory, scene, variables)
         self._checkpoints = Checkpoints(directory, scene, variables)
-        self._engine: Any = _open(scene, directory, ranks, threads, variables, held)
+        self._engine: Any = _open(scene, directory, ranks, threads, variables, lock)
         self._resources = ExitStack()
 
     @classmethod
@@ -83,7 +83,7 @@ class Simulation:
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
         replace: bool = False,
-        held: Hold | None = None,
+        lock: DirectoryLock | None = None,
     ) -> Self:
         """Build a scene and begin with it.
 
@@ -101,7 +101,7 @@ class Simulation:
             Overrides of variables of scene.in, as ``-var`` on the command line.
         replace : bool
             Whether the results of an earlier run in `directory` may be replaced.
-        held : Hold, optional
+        lock : DirectoryLock, optional
             The directory, if it is held already; it is the caller's to close.
 
         Raises
@@ -120,10 +120,10 @@ class Simulation:
                 directory = resources.enter_context(tempfile.TemporaryDirectory(prefix="skin-"))
             directory = Path(directory).resolve()
             check_run(directory, ranks, threads)
-            held = held or resources.enter_context(Hold(directory, make=True))
+            lock = lock or resources.enter_context(DirectoryLock(directory, make=True))
             _check_replaced(directory, variables, replace)
             scene = build(scene, directory, configuration).described(scene)
-            simulation = cls(scene, directory, ranks, threads, variables, held, temporary)
+            simulation = cls(scene, directory, ranks, threads, variables, lock, temporary)
             simulation._resources = resources.pop_all()
         return simulation
 
@@ -135,17 +135,17 @@ class Simulation:
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
         replace: bool = False,
-        held: Hold | None = None,
+        lock: DirectoryLock | None = None,
     ) -> Self:
         """Begin with the scene that was built in a directory, as it is; else as `begin`."""
         directory, variables = Path(directory).resolve(), variables or {}
         check_run(directory, ranks, threads)
         with ExitStack() as resources:
-            held = held or resources.enter_context(Hold(directory))
+            lock = lock or resources.enter_context(DirectoryLock(directory))
             _check_replaced(directory, variables, replace)
             scene = load_built(directory)
             check_data(directory / "skin.data", scene.kinds)
-            simulation = cls(scene, directory, ranks, threads, variables, held)
+            simulation = cls(scene, directory, ranks, threads, variables, lock)
             simulation._resources = resources.pop_all()
         return simulation
 
@@ -156,7 +156,7 @@ class Simulation:
         ranks: int = 1,
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
-        held: Hold | None = None,
+        lock: DirectoryLock | None = None,
     ) -> Self:
         """Go on with a run from its newest good checkpoint, see docs/reliability.md.
 
@@ -175,14 +175,14 @@ class Simulation:
         check_run(directory, ranks, threads)
         load_built(directory)
         with ExitStack() as resources:
-            held = held or resources.enter_context(Hold(directory))
+            lock = lock or resources.enter_context(DirectoryLock(directory))
             restart, earlier, notes, passed_over = find_resumption(directory)
             variables = {**earlier, **(variables or {})}
             damaged = set_aside_if_damaged(directory) if restart else None
             if restart:
                 variables = {**variables, "restart": restart}
             try:
-                simulation = cls.begin_built(directory, ranks, threads, variables, True, held)
+                simulation = cls.begin_built(directory, ranks, threads, variables, True, lock)
             except SkinError as error:
                 if damaged:
                     raise SimulationError(f"{error}; {damaged}") from None
@@ -333,7 +333,7 @@ class Simulation:
 
 def _open(
     scene: Scene, directory: Path, ranks: int, threads: int, variables: Mapping[str, Any],
-    held: Hold,
+    lock: DirectoryLock,
 ) -> Any:  # fmt: skip
     """LAMMPS with the scene that is built in a directory."""
     arguments = (
@@ -343,7 +343,7 @@ def _open(
     try:
         if ranks == 1:
             return Engine(*arguments)
-        return RankedEngine(ranks, held.descriptor, *arguments)
+        return RankedEngine(ranks, lock.descriptor, *arguments)
     except SimulationError as error:
         raise SimulationError(f"{error} (starting the scene in {directory})") from None
 

@@ -14,8 +14,8 @@ from typing import Any
 from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.errors import SceneError, one_line
 from lammps_skin.kinds import Kind
-from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.model.terms import StyledTerm, Terms
 from lammps_skin.plugin import installed
 from lammps_skin.start.configuration import Configuration
@@ -216,7 +216,10 @@ def _numbered(terms: Sequence[StyledTerm]) -> Iterator[str]:
 def ghost_cutoff(terms: Terms, configuration: Configuration) -> float:
     """Reach of ghost particles: pairs, links, dividing pairs, and the nearest membrane particle."""
     scene, skin = terms.scene, terms.scene.numerics.neighbor_skin
-    reach = [max(terms.cutoffs[name] for name in terms.shapes) + skin, terms.longest_link + skin]
+    reach = [
+        max(terms.cutoffs[name] for name in terms.pair_potentials) + skin,
+        terms.longest_link + skin,
+    ]
     if scene.has_cells:
         detachment = terms.cutoffs["adhesion"]
         _, distance = configuration.nearest_membrane()

@@ -29,14 +29,13 @@ import numpy as np
 from numpy.lib import recfunctions
 
 from lammps_skin.analysis import observables
-from lammps_skin.analysis.observables import Table, is_fraction, open_run, save
-from lammps_skin.analysis.observables import load as load
+from lammps_skin.analysis.observables import Table, is_fraction, open_run, read_table, write_table
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.files import free_name
 from lammps_skin.model.scene import Scene
-from lammps_skin.run.hold import Hold
+from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.run.results import holds_results
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.study import cost
@@ -124,20 +123,20 @@ class Member:
             if progress:
                 progress(time)
 
-        with Hold(self.directory, make=True) as held:
+        with DirectoryLock(self.directory, make=True) as lock:
             if self.done:  # by another process, while it held the directory
                 return
-            with self._simulation(held) as simulation:
+            with self._simulation(lock) as simulation:
                 simulation.run(progress=report, every=self.scene.end_time / REPORTS)
             self.store(self.directory)
             if not keep:
                 shutil.rmtree(self.directory)
 
-    def _simulation(self, held: Hold) -> Simulation:
+    def _simulation(self, lock: DirectoryLock) -> Simulation:
         if not holds_results(self.directory):
-            return Simulation.begin(self.scene, self.directory, held=held)
+            return Simulation.begin(self.scene, self.directory, lock=lock)
         try:
-            return Simulation.resume(self.directory, held=held)
+            return Simulation.resume(self.directory, lock=lock)
         except SkinError as error:
             raise SkinError(
                 f"{error}; the run is kept: move {self.directory} away to begin anew"
@@ -150,7 +149,7 @@ class Member:
         # the last frame of a run comes at most one interval before its end
         if reached + self.scene.output.dump_interval < end:
             raise SkinError(f"run {directory}: its trajectory ends at t = {reached:g} of {end:g}")
-        save(found, self.table, [f"{self.label}, key {self.key}"])
+        write_table(found, self.table, [f"{self.label}, key {self.key}"])
 
 
 def members(scenes: Iterable[Scene], seeds: Sequence[int], folder: Path) -> list[Member]:
@@ -297,9 +296,11 @@ def gather(members: Iterable[Member]) -> list[Path]:
         tables: dict[int, Table] = {}
         for earlier in (aside, path):
             if _key_of(earlier) == key:
-                tables |= _by_seed(load(earlier))
+                tables |= _by_seed(read_table(earlier))
         tables |= {
-            int(file.name.split("-")[-2]): with_seed(load(file), int(file.name.split("-")[-2]))
+            int(file.name.split("-")[-2]): with_seed(
+                read_table(file), int(file.name.split("-")[-2])
+            )
             for file in member.table.parent.glob(f"{name}-*-{key}.csv")
             if file.name.removeprefix(f"{name}-").removesuffix(f"-{key}.csv").isdigit()
         }
@@ -314,7 +315,7 @@ def gather(members: Iterable[Member]) -> list[Path]:
             f"scene: {json.dumps(member.scene.given(), sort_keys=True)}",
             f"made by: {', '.join(' '.join(pair) for pair in member.made_by)}",
         ]
-        save(np.concatenate([tables[seed] for seed in sorted(tables)]), path, comments)
+        write_table(np.concatenate([tables[seed] for seed in sorted(tables)]), path, comments)
         aside.unlink(missing_ok=True)
         written.append(path)
     return written

@@ -18,8 +18,8 @@ import numpy as np
 from lammps_skin.arrays import Ints
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import is_cell
-from lammps_skin.model.keys import to_toml
 from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.trajectory.check import GROUP, MEMBERS, NEXT_ID
 from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, WHOLE, Frame
 from lammps_skin.trajectory.hdf5 import open_hdf5

@@ -9,13 +9,12 @@ import h5py
 import numpy as np
 import pytest
 import scipy.stats
-from lammps_skin.analysis.observables import COLUMNS, observables, save
+from lammps_skin.analysis.observables import COLUMNS, observables, read_table, write_table
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.study.ensemble import (
     Member,
     gather,
-    load,
     member_of,
     members,
     over_time,
@@ -33,7 +32,7 @@ def test_one_command_and_the_same_again(skin, tmp_path):
     tables = sorted((tmp_path / "many" / "runs").iterdir())
     assert [path.suffix for path in tables] == [".csv", ".csv"]  # and no run directory
     packed = (tmp_path / "many" / "tiny.csv.gz").read_bytes()
-    table = load(tmp_path / "many" / "tiny.csv.gz")
+    table = read_table(tmp_path / "many" / "tiny.csv.gz")
     assert table.dtype.names == ("seed", *COLUMNS)
     assert np.unique(table["seed"]).tolist() == [1, 2]
     np.testing.assert_allclose(table["time"], np.tile(np.arange(7) * 0.5, 2))
@@ -50,7 +49,7 @@ def test_one_command_and_the_same_again(skin, tmp_path):
     assert "2 runs, 1 of them there" in answer.out
     assert (tmp_path / "many" / "tiny.csv.gz").read_bytes() == packed
     kept = tables[0].with_suffix("")
-    np.testing.assert_allclose(observables(kept)["zeta"], load(tables[0])["zeta"], rtol=1e-6)
+    np.testing.assert_allclose(observables(kept)["zeta"], read_table(tables[0])["zeta"], rtol=1e-6)
 
     # another scene of this name has tables of its own
     answer = skin("ensemble", "tiny.toml", "--seeds", "1", "-o", "many", "--set", "end_time=1")
@@ -114,7 +113,7 @@ def test_a_killed_run_goes_on(scene, tmp_path):
 
 
 def test_a_directory_that_is_in_use_is_left_alone(scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("lammps_skin.run.hold.PATIENCE", 0.1)
+    monkeypatch.setattr("lammps_skin.run.directory_lock.PATIENCE", 0.1)
     (member,) = members([scene], [1], tmp_path)
     with Simulation.begin(member.scene, member.directory) as simulation:
         with pytest.raises(SkinError, match="runs in"):
@@ -133,7 +132,7 @@ def test_runs_from_elsewhere(skin, scene, tmp_path):
     assert answer.code == 1
     assert f"failed: {part}: run {part}: its trajectory ends at t = 1 of 3" in answer.out
     assert f"failed: {tmp_path}: directory {tmp_path}: holds no trajectory" in answer.out
-    table = load(tmp_path / "many" / "tiny.csv.gz")
+    table = read_table(tmp_path / "many" / "tiny.csv.gz")
     assert np.unique(table["seed"]).tolist() == [7]
     np.testing.assert_allclose(table["zeta"], observables(done)["zeta"], rtol=1e-6)
     assert {path: path.stat().st_mtime_ns for path in done.iterdir()} == before
@@ -184,7 +183,7 @@ def test_a_seed_of_the_cells_is_the_seed(scene, tmp_path):
 def with_table(member):
     """A member that has been run, as far as its table tells."""
     columns = [("time", float), ("zeta", float)]
-    save(np.array([(0.0, member.seed), (1.0, 0.5)], columns), member.table)
+    write_table(np.array([(0.0, member.seed), (1.0, 0.5)], columns), member.table)
     return member
 
 
@@ -194,7 +193,7 @@ def test_a_gathered_table_gets_more_seeds(scene, tmp_path):
     (gathered,) = gather(first)
     shutil.rmtree(tmp_path / "runs")
     assert gather([with_table(*members([scene], [4], tmp_path))]) == [gathered]
-    table = load(gathered)
+    table = read_table(gathered)
     assert table["seed"].tolist() == [1, 1, 2, 2, 3, 3, 4, 4]
     assert table["zeta"].tolist() == [1, 0.5, 2, 0.5, 3, 0.5, 4, 0.5]
 
@@ -208,8 +207,8 @@ def test_a_gathered_table_of_another_key_is_kept(scene, tmp_path):
             assert named[-1] == tmp_path / "tiny.csv.gz"
     kept = tmp_path / f"tiny-{Member(scene, tmp_path).key}.csv.gz"
     assert named[0] == kept
-    assert np.unique(load(kept)["seed"]).tolist() == [1, 2]
-    assert np.unique(load(named[-1])["seed"]).tolist() == [5, 6]
+    assert np.unique(read_table(kept)["seed"]).tolist() == [1, 2]
+    assert np.unique(read_table(named[-1])["seed"]).tolist() == [5, 6]
     assert {path.name for path in tmp_path.glob("*.gz")} == {"tiny.csv.gz", kept.name}
     (tmp_path / "tiny.csv.gz").write_bytes(b"notes")
     gather(members([scene], [1], tmp_path))
@@ -285,4 +284,4 @@ def test_a_table_that_is_none(tmp_path):
     for content in (b"words", gzip.compress(b"words\nmore\n"), gzip.compress(b"a,b\n1,2\n")[:-9]):
         path.write_bytes(content)
         with pytest.raises(SkinError, match=r"table .*some.csv.gz"):
-            load(path)
+            read_table(path)

@@ -14,7 +14,7 @@ from lammps_skin.start import lattice
 from lammps_skin.study.stability.bisection import bisect
 from lammps_skin.study.stability.hessian import largest_eigenvalue, mobilities
 from lammps_skin.study.stability.methods import Method, methods, scaled
-from lammps_skin.study.stability.trials import State, Trials
+from lammps_skin.study.stability.trials import InitialState, Trials
 
 from tests.cells.conftest import CONTACT, HEIGHT, place
 from tests.study.ensemble.conftest import skin  # noqa: F401
@@ -46,7 +46,7 @@ def trials_of(scene: Scene, folder: Path, interval: float, stiffness_limit: floa
     """The cell a little further from the particle below it than it would like."""
     on_top = lattice.positions(scene.membrane.lattice, scene.spacing, HEIGHT)[50]
     cell = (Kind.STEM, (*on_top[:2], on_top[2] + CONTACT + 1e-3), 0)
-    state = State(scene, configuration=place(scene, [cell]))
+    state = InitialState(scene, configuration=place(scene, [cell]))
     return Trials(scene, state, folder, interval, stiffness_limit)
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from lammps_skin.model.scene import Scene
-from lammps_skin.study.tradeoff.measure import Laboratory
+from lammps_skin.study.tradeoff.measure import Measurements
 
 from tests.study.ensemble.conftest import skin  # noqa: F401
 
@@ -23,5 +23,5 @@ def busy() -> Scene:
 
 
 @pytest.fixture
-def laboratory(busy: Scene, tmp_path: Path) -> Laboratory:
-    return Laboratory(busy, tmp_path / "measured", interval=1.0)
+def measurements(busy: Scene, tmp_path: Path) -> Measurements:
+    return Measurements(busy, tmp_path / "measured", interval=1.0)

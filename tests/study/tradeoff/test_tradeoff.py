@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from lammps_skin.model.scene import Scene
 from lammps_skin.study.ensemble import Member
-from lammps_skin.study.tradeoff.measure import Laboratory
+from lammps_skin.study.tradeoff.measure import Measurements
 
 GRID = ("tiny.toml", "--grid", "levels", "--set", "cells.cycle_delay=20.0", "--interval", 1)
 SCENE = (*GRID, "--set", "output.dump_interval=1.0")
@@ -72,7 +72,7 @@ def test_interrupted(skin, monkeypatch):
 
     short = (*SCENE, "--interval", 0.5, "--quick")
     with monkeypatch.context() as patched:
-        patched.setattr(Laboratory, "sit", interrupt)
+        patched.setattr(Measurements, "time_group", interrupt)
         answer = skin("tradeoff", *short)
     assert answer.code == 130 and "the same command goes on" in answer.out
     answer = skin("tradeoff", *short)

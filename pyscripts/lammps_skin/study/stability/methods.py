@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple, get_args
 
 from lammps_skin.errors import SceneError
-from lammps_skin.model.accuracy import reach
+from lammps_skin.model.accuracy import stability_limit
 from lammps_skin.model.scene import Scene
 
 Integrator = Literal["euler", "rkl1", "rkl2"]
@@ -40,13 +40,13 @@ class Method(NamedTuple):
         return self.integrator + ("-limit" if self.stiffness_limit else "")
 
     @property
-    def reach(self) -> float:
+    def limit(self) -> float:
         """Timestep times largest eigenvalue up to which a step is stable."""
-        return reach(self.integrator, self.stages)
+        return stability_limit(self.integrator, self.stages)
 
     def estimate(self, eigenvalue: float) -> float:
         """Longest stable timestep where this is the largest eigenvalue."""
-        return self.reach / eigenvalue if eigenvalue > 0 else math.inf
+        return self.limit / eigenvalue if eigenvalue > 0 else math.inf
 
     @property
     def variables(self) -> dict[str, Any]:

@@ -40,7 +40,7 @@ FINE_TIMESTEP, FINE_PART = 0.005, 0.25  # at most, and as a part of the estimate
 MEASURING = 1e-3  # timestep with which mobilities are measured
 
 
-class State:
+class InitialState:
     """Where the runs of a map begin.
 
     Parameters
@@ -78,7 +78,7 @@ class State:
         return digest(physics(self._scene), positions)
 
 
-class Ground(NamedTuple):
+class Baseline(NamedTuple):
     """What trials of a scene are compared with.
 
     Attributes
@@ -101,7 +101,7 @@ class Ground(NamedTuple):
         return float((energy - own) / max(np.ptp(self.energies), TINY))
 
 
-class Unsound(Exception):
+class EnergyTooHigh(Exception):
     """Ends a run whose energy is too high."""
 
 
@@ -112,7 +112,7 @@ class Trials:
     ----------
     scene : Scene
         Possibly with other parameters than those with which the state was reached.
-    state : State
+    state : InitialState
     folder : Path
         Of the results; what is there is not computed again.
     interval : float
@@ -122,7 +122,12 @@ class Trials:
     """
 
     def __init__(
-        self, scene: Scene, state: State, folder: Path, interval: float, stiffness_limit: float
+        self,
+        scene: Scene,
+        state: InitialState,
+        folder: Path,
+        interval: float,
+        stiffness_limit: float,
     ) -> None:
         quiet = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
         self.scene = scene.replace(**quiet)
@@ -153,7 +158,7 @@ class Trials:
 
     def eigenvalues(self, stiffness_limit: float) -> list[float]:
         """Largest eigenvalues at the begin and at the end, with one of the `limits`."""
-        return self._ground.eigenvalues[self.limits.index(stiffness_limit)]
+        return self._baseline.eigenvalues[self.limits.index(stiffness_limit)]
 
     def _key(self, *more: object) -> str:
         numerics = self.scene.numerics.model_dump(
@@ -175,22 +180,22 @@ class Trials:
         try:
             with self._simulation({**method.variables, "timestep": repr(timestep)}) as simulation:
                 self._follow(simulation, timestep)
-        except Unsound as unsound:
-            return str(unsound)
+        except EnergyTooHigh as error:
+            return str(error)
         except SimulationError as error:
             return str(error)
         return ""
 
     def _follow(self, simulation: Simulation, timestep: float) -> None:
-        """Run, and raise `Unsound` when the energy is too high."""
-        ground = self._ground
+        """Run, and raise `EnergyTooHigh` when the energy is too high."""
+        baseline = self._baseline
         begin = simulation.time
 
         def look(now: float, _: Simulation) -> None:
             energy = sum(simulation.energies().values())
-            excess = ground.excess(now - begin, energy)
+            excess = baseline.excess(now - begin, energy)
             if not excess <= (SETTLED if now - begin > 0.75 * self.interval else TRANSIENT):
-                raise Unsound(
+                raise EnergyTooHigh(
                     f"energy {energy:.4g} after {now - begin:.3g} time units, {excess:.3g} times "
                     "the range of the comparison above it"
                 )
@@ -200,13 +205,13 @@ class Trials:
         simulation.run(begin + steps * timestep, look, every)
 
     @cached_property
-    def _ground(self) -> Ground:
-        path = self.store.path("ground", "fine", self._key(self.limits), ".json")
+    def _baseline(self) -> Baseline:
+        path = self.store.path("baseline", "fine", self._key(self.limits), ".json")
         if not path.exists():
-            _save(path, self._find_ground())
-        return Ground(*_load(path))
+            _save(path, self._measure_baseline())
+        return Baseline(*_load(path))
 
-    def _find_ground(self) -> Ground:
+    def _measure_baseline(self) -> Baseline:
         with self._simulation({**FINE, "timestep": FINE_TIMESTEP}) as simulation:
             simulation.command(f"write_restart {self._restart('begin')}")
         begins = [self._eigenvalue("begin", limit) for limit in self.limits]
@@ -223,7 +228,7 @@ class Trials:
             simulation.run(begin + self.interval, note, every=self.interval / SAMPLES)
             simulation.command(f"write_restart {self._restart('end')}")
         ends = [self._eigenvalue("end", limit) for limit in self.limits]
-        return Ground(times, energies, [list(pair) for pair in zip(begins, ends, strict=True)])
+        return Baseline(times, energies, [list(pair) for pair in zip(begins, ends, strict=True)])
 
     def _eigenvalue(self, restart: str, stiffness_limit: float) -> float:
         variables = {
@@ -296,7 +301,7 @@ def points(
     """
     found: dict[Point, Trials] = {}
     left_out = []
-    state = State(scene, start)
+    state = InitialState(scene, start)
     for name, factor in product(names, factors):
         if name == CROWDING and start is not None and factor != 1:
             left_out.append(f"{name} x {factor:g}: the state is given")
@@ -307,7 +312,7 @@ def points(
         except SceneError as error:
             left_out.append(f"{name} x {factor:g}: {error}")
             continue
-        own = State(changed) if name == CROWDING and factor != 1 else state
+        own = InitialState(changed) if name == CROWDING and factor != 1 else state
         found[name, factor] = Trials(changed, own, folder, interval, stiffness_limit)
     return found, left_out
 

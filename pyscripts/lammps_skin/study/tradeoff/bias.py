@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import norm
 
-from lammps_skin.analysis.observables import Table, load
+from lammps_skin.analysis.observables import Table, read_table
 from lammps_skin.analysis.statistics import mean
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError
@@ -87,7 +87,7 @@ def check_ensemble(one: Variant, seeds: Sequence[int]) -> None:
 def tables(one: Variant, seeds: Sequence[int], folder: Path) -> dict[int, Table]:
     """Tables of observables that are there, by seed."""
     members = {seed: member(one, seed, folder) for seed in seeds}
-    return {seed: load(member.table) for seed, member in members.items() if member.done}
+    return {seed: read_table(member.table) for seed, member in members.items() if member.done}
 
 
 def windows_of(text: str | None, end: float) -> list[Window]:

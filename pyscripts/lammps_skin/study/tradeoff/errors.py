@@ -9,7 +9,7 @@ import numpy as np
 
 from lammps_skin.arrays import Floats
 from lammps_skin.study.tradeoff.grid import Variant
-from lammps_skin.study.tradeoff.store import Reached
+from lammps_skin.study.tradeoff.store import EndState
 
 
 class Distance(NamedTuple):
@@ -38,12 +38,12 @@ class Order(NamedTuple):
     of_median: float
 
 
-def distance(one: Reached, truth: Reached, box: Sequence[float] | Floats) -> Distance:
+def distance(one: EndState, truth: EndState, box: Sequence[float] | Floats) -> Distance:
     """Distances of particles, matched by id, across the periodic sides x and y.
 
     Parameters
     ----------
-    one, truth : Reached
+    one, truth : EndState
     box : (2,) or (3,)
         Sides of the box.
     """

@@ -22,19 +22,19 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.study.tradeoff.grid import REFERENCE, Variant, variant
-from lammps_skin.study.tradeoff.store import Reached, Store, Timing, digest, physics
+from lammps_skin.study.tradeoff.store import EndState, Store, Timing, digest, physics
 
 FINEST = "finest"  # the variant that stands for the truth
 FINER = 16  # how many times its timestep is shorter than that of the reference
 NEVER = 2_000_000_000  # steps between event steps, more than there are in a run: no events
 PIECES = 40  # of a run: how often the bar moves
-ROUNDS = 3  # in which the variants of a sitting take turns
-TOGETHER = 5  # variants of a sitting, besides the reference
+ROUNDS = 3  # in which the variants of a group take turns
+TOGETHER = 5  # variants of a group, besides the reference
 
 Progress = Callable[[str, float], None]
 
 
-class Laboratory:
+class Measurements:
     """Measures variants of a scene from one state of it, and keeps the results.
 
     Parameters
@@ -118,18 +118,18 @@ class Laboratory:
         timestep = variant(self.scene, REFERENCE, reference).scene.numerics.timestep / FINER
         return variant(self.scene, FINEST, {**reference, "timestep": timestep})
 
-    def reached_path(self, one: Variant) -> Path:
-        """Where it is kept what `reached` finds."""
+    def end_state_path(self, one: Variant) -> Path:
+        """Where it is kept what `end_state` finds."""
         return self.store.path("reached", one.name, self._key(one), ".npz")
 
-    def reached(self, one: Variant, progress: Progress | None = None) -> Reached:
+    def end_state(self, one: Variant, progress: Progress | None = None) -> EndState:
         """Where all particles are after the interval, without births, removals and their like."""
-        path = self.reached_path(one)
+        path = self.end_state_path(one)
         if not path.exists():
-            self.store.save_reached(path, self._reach(one, progress))
-        return self.store.load_reached(path)
+            self.store.save_end_state(path, self._run_to_end(one, progress))
+        return self.store.load_end_state(path)
 
-    def _reach(self, one: Variant, progress: Progress | None) -> Reached:
+    def _run_to_end(self, one: Variant, progress: Progress | None) -> EndState:
         with self._simulation(one, events=False) as simulation:
             begin = simulation.time
             before = simulation.forces().ids
@@ -142,22 +142,22 @@ class Laboratory:
                 simulation.run(begin + self.interval, report, every=self.interval / PIECES)
             except SimulationError as error:
                 nobody = np.empty(0, int), np.empty((0, 3)), Motion(*[np.nan] * len(Motion._fields))
-                return Reached(*nobody, problem=str(error))
+                return EndState(*nobody, problem=str(error))
             after = simulation.forces()
             assert np.array_equal(after.ids, before), "an event in a run without events"
-            return Reached(after.ids, after.positions, simulation.motion())
+            return EndState(after.ids, after.positions, simulation.motion())
 
     # ---- time
 
     def timing_path(self, one: Variant) -> Path:
-        """Where it is kept what `sit` finds."""
+        """Where it is kept what `time_group` finds."""
         return self.store.path("timing", one.name, self._key(one, platform.node()), ".json")
 
     def timing(self, one: Variant) -> Timing:
-        """What `sit` has found."""
+        """What `time_group` has found."""
         return self.store.load_timing(self.timing_path(one))
 
-    def sittings(self, found: Sequence[Variant]) -> list[list[Variant]]:
+    def timing_groups(self, found: Sequence[Variant]) -> list[list[Variant]]:
         """Those that have not been timed, in groups, each with the reference, the first, before."""
         reference, *others = found
         missing = [one for one in others if not self.timing_path(one).exists()]
@@ -166,15 +166,15 @@ class Laboratory:
             groups = [[]]
         return [[reference, *group] for group in groups]
 
-    def sit(self, sitting: Sequence[Variant], progress: Progress | None = None) -> None:
+    def time_group(self, group: Sequence[Variant], progress: Progress | None = None) -> None:
         """Let variants take turns, each from the state through all rounds, with all events."""
         with ExitStack() as stack:
-            runs = [stack.enter_context(self._simulation(one, events=True)) for one in sitting]
+            runs = [stack.enter_context(self._simulation(one, events=True)) for one in group]
             begin = runs[0].time
-            seconds = np.full((ROUNDS, len(sitting)), np.nan)
-            problems = [""] * len(sitting)
+            seconds = np.full((ROUNDS, len(group)), np.nan)
+            problems = [""] * len(group)
             for n in range(ROUNDS):
-                for m, (one, simulation) in enumerate(zip(sitting, runs, strict=True)):
+                for m, (one, simulation) in enumerate(zip(group, runs, strict=True)):
                     if not problems[m]:
                         since = time.process_time()
                         try:
@@ -185,7 +185,7 @@ class Laboratory:
                     if progress:
                         progress(one.name, (n + 1) * self.interval)
         ratios = seconds / seconds[:, :1]
-        for one, own, ratio, problem in zip(sitting, seconds.T, ratios.T, problems, strict=True):
+        for one, own, ratio, problem in zip(group, seconds.T, ratios.T, problems, strict=True):
             spread = float(np.ptp(ratio)) / 2
             timing = Timing(float(np.median(own)), float(np.median(ratio)), spread, problem)
             if problem:

@@ -14,7 +14,7 @@ from lammps_skin.files import completed
 from lammps_skin.study.tradeoff.bias import Bias, root_mean_square
 from lammps_skin.study.tradeoff.errors import Distance, Order
 from lammps_skin.study.tradeoff.grid import Variant
-from lammps_skin.study.tradeoff.store import Reached, Timing
+from lammps_skin.study.tradeoff.store import EndState, Timing
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Row:
 def row(
     one: Variant,
     interval: float,
-    reached: Reached,
+    reached: EndState,
     timing: Timing,
     distance: Distance,
     found: Sequence[Bias],

@@ -20,7 +20,7 @@ VERSION = 1  # to be raised when what is measured means something else
 NOT_FORCES = {"name", "description", "end_time", "output"}  # keys that no trajectory depends on
 
 
-class Reached(NamedTuple):
+class EndState(NamedTuple):
     """Where all particles are at the end of an interval.
 
     Attributes
@@ -85,17 +85,17 @@ class Store:
         """Where a result is."""
         return self.folder / f"{kind}-{name}-{key}{suffix}"
 
-    def save_reached(self, path: Path, reached: Reached) -> None:
+    def save_end_state(self, path: Path, reached: EndState) -> None:
         with completed(path) as part:
             np.savez(
                 part, ids=reached.ids, positions=reached.positions,
                 motion=np.array(reached.motion), problem=np.array(reached.problem),
             )  # fmt: skip
 
-    def load_reached(self, path: Path) -> Reached:
+    def load_end_state(self, path: Path) -> EndState:
         with np.load(path) as file:
             motion = Motion(*file["motion"].tolist())
-            return Reached(file["ids"], file["positions"], motion, str(file["problem"]))
+            return EndState(file["ids"], file["positions"], motion, str(file["problem"]))
 
     def save_timing(self, path: Path, timing: Timing) -> None:
         with completed(path) as part:

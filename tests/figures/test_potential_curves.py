@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from lammps_skin.figures.curves import curves, draw_potentials
+from lammps_skin.figures.potential_curves import curves, draw_potentials
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import TERMS
 

@@ -18,7 +18,7 @@ NOTEWORTHY, TOO_MUCH = 1e-4, 5e-3
 PIECES = 200  # of a run at least, and none longer than a time unit: how often the bar moves
 
 
-class Journey:
+class RunMonitor:
     """A run of a simulation up to a time, by default its scene's end time.
 
     Attributes

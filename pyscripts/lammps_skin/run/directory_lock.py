@@ -19,7 +19,7 @@ PATIENCE = 10.0  # seconds for the ranks of a killed run to end
 _held: set[int] = set()  # descriptors of this process, which its forks do not hold with it
 
 
-class Hold:
+class DirectoryLock:
     """A directory that nobody else runs in until `close`; a context manager that closes it.
 
     The system lets go of it when this process and the ranks that it started have ended, however

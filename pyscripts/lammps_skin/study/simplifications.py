@@ -18,7 +18,7 @@ QUIET = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
 ROUNDS = 5
 
 
-class Saving(NamedTuple):
+class Simplification(NamedTuple):
     """Something to leave out: the changes of the scene, and what they risk.
 
     `time` is the time of a step over that of the scene as it is, NaN if not measured.
@@ -30,32 +30,32 @@ class Saving(NamedTuple):
     time: float = float("nan")
 
 
-def candidates(scene: Scene) -> Iterator[Saving]:
+def candidates(scene: Scene) -> Iterator[Simplification]:
     """What is on in a scene and not needed to run it."""
     dermis, membrane, cells = scene.dermis, scene.membrane, scene.cells
     if dermis.present and not dermis.frozen_below:
         half = scene.membrane_height / 2
-        yield Saving(
+        yield Simplification(
             "the lower half of the dermis moves", {"dermis.frozen_below": half},
             "deep spheres no longer give way under folds",
         )  # fmt: skip
     if dermis.present:
-        yield Saving(
+        yield Simplification(
             "dermis", {"dermis.present": False}, "nothing holds the membrane up: other folds"
         )
     if membrane.exclusion_stiffness:
-        yield Saving(
+        yield Simplification(
             "exclusion of membrane particles that are not linked",
             {"membrane.exclusion_stiffness": 0.0}, "folds may pass through each other",
         )  # fmt: skip
     if scene.has_cells and cells.cell_adhesion_stiffness:
-        yield Saving(
+        yield Simplification(
             "cell-cell adhesion", {"cells.cell_adhesion_stiffness": 0.0},
             "cells that touch no longer hold together",
         )  # fmt: skip
 
 
-def measured(scene: Scene, steps: int = 10) -> list[Saving]:
+def measured(scene: Scene, steps: int = 10) -> list[Simplification]:
     """Candidates with their times, from runs at the start of the scene that take turns.
 
     Times are medians over rounds of ratios within a round, in CPU seconds of this thread.

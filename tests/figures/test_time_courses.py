@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from lammps_skin.errors import FigureError
-from lammps_skin.figures.courses import ORDERS, draw_course, draw_courses, draw_stem_and_nd
+from lammps_skin.figures.time_courses import ORDERS, draw_course, draw_courses, draw_stem_and_nd
 from matplotlib.figure import Figure
 from scipy.stats import t as student
 

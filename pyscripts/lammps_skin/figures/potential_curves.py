@@ -40,7 +40,7 @@ def curves(scene: Scene) -> dict[str, Curve]:
         "adhesion": Curve("x", x, terms.adhesion * potentials.adhesion(x, cells.adhesion_range)),
         "binding": Curve("x", x, terms.binding * potentials.binding(x)),
     }
-    for shape in terms.shapes.values():
+    for shape in terms.pair_potentials.values():
         x = np.linspace(0.85 if shape.lennard_jones else 0.6, 1.6, POINTS)
         energy = np.where(x < shape.range, shape.stiffness * shape.energy(x), 0.0)
         found[shape.name] = Curve("x", x, energy)
