@@ -14,11 +14,10 @@ from lammps_skin.errors import SkinError
 
 MOMENTS = 7  # of a run that are shown
 SHOWN = (
-    "time", "stem", "ta", "exhausted", "nd", "births", "deaths", "coverage", "none_below",
-    "most_on_particle", "membrane_area", "height_std", "skewness", "papillae", "papilla_height",
-    "papilla_width_cells", "stem_on_tips", "nd_on_tips", "chi_H", "zeta", "sigma", "chi_H_nd",
-    "zeta_nd", "sigma_nd",
+    "births", "deaths", "coverage", "none_below", "most_on_particle", "membrane_area",
+    "height_std", "skewness", "papillae", "papilla_height", "papilla_width_cells",
 )  # fmt: skip
+ORDERS = ("chi_H", "zeta", "sigma")  # that are shown of kinds of cells
 SPREADS = ("_low", "_high", "_sd", "_p")  # of what stands in a column of its own
 CLONES = 8
 
@@ -95,10 +94,14 @@ def _moments(found: dict[str, Any]) -> list[str]:
 
 
 def _over_time(found: dict[str, Any]) -> Iterator[tuple[str, ...]]:
-    places = _places(found)
-    for name in SHOWN[1:]:
+    places, columns = _places(found), list(found["observables"])
+    kinds = columns[1 : columns.index("births")]
+    placed = [kind for kind in kinds if f"{kind}_on_tips" in columns]
+    tips = [f"{kind}_on_tips" for kind in placed]
+    orders = [*ORDERS, *(f"{name}_{kind}" for kind in placed[1:] for name in ORDERS)]
+    for name in (*kinds, *SHOWN, *tips, *orders):
         values = [found["observables"][name][place] for place in places]
-        kind = "nd" if "nd" in name.split("_") else "stem"
+        kind = next((word for word in name.split("_") if word in placed), "stem")
         if any(value == value and value for value in values) or (
             all(value != value for value in values) and any(found["observables"][kind])
         ):

@@ -129,7 +129,7 @@ class Scene(Part):
                 place = place.setdefault(part, {})
                 if not isinstance(place, dict):
                     raise SceneError(f"{key} = {shown(value)}: {part} has no keys")
-            place[last] = value
+            place[last] = merged({}, value) if isinstance(value, Mapping) else value
         return type(self).from_dict(given)
 
     def given(self) -> dict[str, Any]:
