@@ -15,11 +15,12 @@ from lammps_skin.model.parameters import SETS
 from lammps_skin.model.scene import Scene
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.trajectory.attributes import NOTHING
+from MDAnalysis.analysis.results import Results
 
 FREE = {"dermis.present": False, "membrane.lattice": [24, 28], "cells.stem": 2}
 OWN = {
-    "cells.kinds.mutant": {"like": "stem", "count": 1, "daughter": "ta-b", "color": "#ff0080"},
-    "cells.kinds.ta-b": {"like": "ta", "stiffness": 5.0, "generations": 3},
+    "cells.kinds.mutant": {"like": "stem", "count": 1, "daughter": "ta2", "color": "#ff0080"},
+    "cells.kinds.ta2": {"like": "ta", "stiffness": 5.0, "generations": 3},
 }
 
 
@@ -45,19 +46,19 @@ def test_rows_follow_the_keys_of_cells(name: str) -> None:
 
 def test_further_kinds_have_the_numbers_after() -> None:
     own = scene(**OWN)
-    mutant, other = (own.cell_table[label] for label in ("mutant", "ta-b"))
+    mutant, other = (own.cell_table[label] for label in ("mutant", "ta2"))
     assert [int(mutant.kind), int(other.kind)] == [7, 8]
     assert mutant.kind.colour == pytest.approx((1.0, 0.0, 128 / 255))
     assert len({kind.colour for kind in own.all_kinds}) == len(own.all_kinds)
     assert [kind.label for kind in own.kinds] == [
-        "membrane", "stem", "ta", "exhausted", "mutant", "ta-b",
+        "membrane", "stem", "ta", "exhausted", "mutant", "ta2",
     ]  # fmt: skip
     assert (mutant.adhesion, mutant.stiffness, mutant.detaches) == ("bound", 25.0, False)
-    assert (other.daughter, other.after_last) == ("ta-b", "exhausted")
+    assert (other.daughter, other.after_last) == ("ta2", "exhausted")
     assert [divisions_left(row, own.cell_table) for row in (mutant, other)] == [3, 3]
     assert Scene.from_dict(own.given()).all_kinds == own.all_kinds
     text = to_toml(own.model_dump(exclude_none=True))
-    assert text.index("[cells.kinds.mutant]") < text.index("[cells.kinds.ta-b]")
+    assert text.index("[cells.kinds.mutant]") < text.index("[cells.kinds.ta2]")
 
 
 def test_a_kind_without_cells_is_no_type() -> None:
@@ -70,7 +71,8 @@ def test_a_kind_without_cells_is_no_type() -> None:
 def test_reserved_names_are_what_outputs_call_otherwise() -> None:
     labels = {kind.label for kind in KINDS if not is_cell(kind)}
     columns = {name for name in COLUMNS if NAME.fullmatch(name)} - set(ROWS)
-    assert labels | columns | {NOTHING, "seed"} <= RESERVED
+    attributes = {name for name in dir(Results()) if NAME.fullmatch(name)}
+    assert labels | columns | attributes | {NOTHING, "seed", "rows", "table"} <= RESERVED
 
 
 # ---- what is refused

@@ -27,7 +27,7 @@ COLOURS = (
     "#1f77d4", "#ff8c1a", "#12a5a5", "#e8c814", "#e0559d", "#1c7a34", "#8a5a2b", "#555555",
 )  # fmt: skip
 
-NAME = re.compile("[a-z][a-z0-9-]{0,31}")
+NAME = re.compile("[a-z][a-z0-9]{0,31}")
 NONE = "none"  # says that there is no such kind
 RESERVED = {
     "dermal", "membrane", "absent", "all", NONE,
@@ -36,6 +36,9 @@ RESERVED = {
     # columns of tables
     "time", "births", "deaths", "coverage", "height", "skewness", "papillae", "zeta", "sigma",
     "seed",
+    # attributes of results of analyses
+    "clear", "copy", "data", "fromkeys", "get", "items", "keys", "pop", "popitem", "rows",
+    "setdefault", "table", "update", "values",
 }  # fmt: skip
 REFERENCES = ("daughter", "after_last", "paired_with", "like")
 NOT_INHERITED = {"like", "count", "color"}
@@ -225,8 +228,8 @@ def _names(kinds: Mapping[str, KindKeys]) -> Iterator[str]:
             yield f"cells.kinds.{label}: is reserved, a kind of cells needs another name"
         elif not NAME.fullmatch(label):
             yield (
-                f"cells.kinds.{shown(label)}: the name must be up to 32 lower-case letters, "
-                f"digits and '-', a letter first{near(label, ROWS)}"
+                f"cells.kinds.{shown(label)}: the name must be up to 32 lower-case letters and "
+                f"digits, a letter first{near(label, ROWS)}"
             )
 
 

@@ -32,6 +32,16 @@ def _arranged(size: str, name: str) -> dict[str, Any]:
     }
 
 
+def _of_kinds(words: str, stem: int, kinds: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """A scene of the size of demo, and of as many cells, with kinds of cells of its own."""
+    return {
+        "description": words,
+        "end_time": 320.0,
+        "membrane": {"lattice": [40, 46]},
+        "cells": {"stem": stem, "arrangement": "ring", "kinds": kinds},
+    }
+
+
 BUILT_IN: dict[str, dict[str, Any]] = {
     "demo": {
         "description": "a small patch of skin, from a few stem cells to crowding and removal",
@@ -66,4 +76,38 @@ BUILT_IN: dict[str, dict[str, Any]] = {
         "membrane": {"lattice": [24, 28]},
         "cells": {"stem": 1, "arrangement": "cluster"},
     },
+    "mutant": _of_kinds(
+        "one stem cell whose descendants adhere three times as strongly as those of five others",
+        5,
+        {
+            "mutant": {"like": "stem", "count": 1, "daughter": "mutantta"},
+            "mutantta": {"like": "ta", "stiffness": 75.0},
+        },
+    ),
+    "two-ta": _of_kinds(
+        "stem cells of two kinds, whose TA cells divide ten and three times",
+        3,
+        {
+            "stem2": {"like": "stem", "count": 3, "daughter": "ta2"},
+            "ta2": {"like": "ta", "generations": 3},
+        },
+    ),
+    "slow-stem": _of_kinds(
+        "three stem cells, and three others that divide half as often",
+        3,
+        {
+            "slow": {
+                "like": "stem",
+                "count": 3,
+                "cycle_delay": 72.0,
+                "cycle_rate": 0.0415,
+                "first_phase": 96.0,
+            },
+        },
+    ),
+    "loose-stem": _of_kinds(
+        "stem cells that adhere like TA cells, and may detach as these do",
+        6,
+        {"stem": {"adhesion": "adhesive"}},
+    ),
 }

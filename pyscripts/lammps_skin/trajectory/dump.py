@@ -95,6 +95,7 @@ class Dump:
     def __getitem__(self, n: int) -> Frame:
         if self._membrane is None and n:
             self[0]
+        n = range(len(self))[n]  # counted from the end if it is negative
         place, next_id = self._places[n], self._next_id(n)
         with self._reading(place.step):
             frame = _frame(self._text(place), place, self._kinds, next_id)
