@@ -10,9 +10,9 @@ from lammps_skin.analysis.observables import COLUMNS
 from lammps_skin.errors import SceneError
 from lammps_skin.kinds import KINDS, Kind, is_cell
 from lammps_skin.model.cell_kinds import NAME, RESERVED, ROWS, divisions_left
-from lammps_skin.model.keys import to_toml
 from lammps_skin.model.parameters import SETS
 from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.trajectory.attributes import NOTHING
 from MDAnalysis.analysis.results import Results
