@@ -1,5 +1,5 @@
 // What an error that ends a run recommends: a smaller timestep, unless the fault was there before
-// any step was made, or another fix moves particles, too. A minimisation has none.
+// any step was made, or fix move takes particles where it is told to. A minimisation has none.
 
 #ifndef LMP_SKIN_REMEDY_H
 #define LMP_SKIN_REMEDY_H
@@ -8,6 +8,7 @@
 
 #include "modify.h"
 #include "update.h"
+#include "utils.h"
 
 #include <string>
 
@@ -26,7 +27,7 @@ inline std::string skin_remedy(const Update *update, Modify *modify, bool at_sta
   for (Fix *fix : modify->get_fix_list())
     if (const auto *const motion = dynamic_cast<FixSkinMotion *>(fix))
       at_start = at_start || motion->begins_disturbed();
-    else if (fix->time_integrate)
+    else if (utils::strmatch(fix->style, "^move"))
       moved = true;
   return moved && !at_start && !update->setupflag ? "" : skin_remedy(update, at_start);
 }

@@ -288,9 +288,9 @@ def family(directory: Path, ranks: int = 1, threads: int = 1, **changes: object)
     "change",
     [
         {},
-        {"ranks": 2},
-        {"threads": 2},
-        {"numerics.timestep": 0.01},
+        pytest.param({"ranks": 2}, marks=pytest.mark.slow),
+        pytest.param({"threads": 2}, marks=pytest.mark.slow),
+        pytest.param({"numerics.timestep": 0.01}, marks=pytest.mark.slow),
         {"numerics.timestep": 0.025},
         {"numerics.event_interval": 0.0},
         {"numerics.event_interval": 1.3},

@@ -37,7 +37,9 @@ def check_nearest(particles: Forces, cells: Cells, sides: tuple[float, float]) -
 
 
 @pytest.mark.parametrize(
-    ("ranks", "neighbor_skin"), [(1, 0.3), (1, 1.0), (2, 0.6)], ids=["short", "long", "two-ranks"]
+    ("ranks", "neighbor_skin"),
+    [(1, 0.3), pytest.param(1, 1.0, marks=pytest.mark.slow), (2, 1.0)],
+    ids=["short", "long", "two-ranks"],
 )
 def test_partner_is_the_nearest_at_every_step(ranks: int, neighbor_skin: float) -> None:
     """Crowded cells are dragged over a fold, through the periodic edges and from rank to rank."""
@@ -54,7 +56,7 @@ def test_partner_is_the_nearest_at_every_step(ranks: int, neighbor_skin: float) 
         partners.append(dict(zip(cells.ids.tolist(), cells.partner.tolist(), strict=True)))
         moved.append(displacement(particles, crowded, sides))
 
-    every = (1, 4)[ranks - 1]  # steps
+    every = (2, 10)[ranks - 1]  # steps
     crowded = crowd(scene, across=6, amplitude=1.5, above=1.9)
     with Simulation.begin(scene, configuration=crowded, ranks=ranks) as simulation:
         simulation.command("fix drag cells addforce 2.0 -1.0 0.0")
@@ -82,7 +84,7 @@ def displacement(particles: Forces, start: Configuration, sides: tuple[float, fl
     return float(np.linalg.norm(delta, axis=1).max())
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_partner_is_the_nearest_in_random_places(ranks: int) -> None:
     """Many cells at random around a deep fold, some of them below the membrane's top."""
     scene = membrane_scene(
@@ -104,7 +106,7 @@ def test_partner_is_the_nearest_in_random_places(ranks: int) -> None:
     assert across_edge.sum() > 10
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_partner_jumps_between_the_walls_of_a_trench(ranks: int) -> None:
     """Cells pass the middle of a valley: particles far from each other compete for them.
 

@@ -14,6 +14,11 @@ REGION = "region slab block 0 11.9 0 12.1 24.7 25.0"
 DUMP = "dump every all custom 1 x.dump id type i_parent i_pair"
 
 
+def slow(*cases: tuple[object, ...]) -> list[object]:
+    """Cases of a parametrized test that are one more of a kind."""
+    return [pytest.param(*case, marks=pytest.mark.slow) for case in cases]
+
+
 def assert_ids_once(path: Path) -> None:
     """No two atoms of a frame have one ID, no cell comes back once it has gone."""
     gone: set[float] = set()
@@ -29,8 +34,10 @@ def assert_ids_once(path: Path) -> None:
 # ---- creators
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("order", ["after", "before"])
+@pytest.mark.parametrize(
+    ("order", "ranks"),
+    [("after", 2), ("before", 1), *slow(("after", 1), ("before", 2))],
+)
 def test_cells_immigrate(order: str, ranks: int, tmp_path: Path) -> None:
     """Stock fix deposit beside the fix, on the same steps, whichever comes first."""
     deposit = "fix dep cells deposit 5 nd 4 4321 region slab near 1.0 vz 0 0"
@@ -108,8 +115,9 @@ def test_deposited_cell_beyond_the_membrane_names_no_timestep(tmp_path: Path) ->
 # ---- removers
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("which", ["younger", "older"])
+@pytest.mark.parametrize(
+    ("which", "ranks"), [("younger", 1), ("older", 2), *slow(("younger", 2), ("older", 1))]
+)
 def test_a_wound_ends_pairs(which: str, ranks: int, tmp_path: Path) -> None:
     """Of each pair one cell is removed, the other goes on without it."""
     variable = {"younger": "id > i_pair && i_pair > 0", "older": "i_pair > id"}[which]
@@ -143,8 +151,9 @@ def test_a_wound_ends_pairs(which: str, ranks: int, tmp_path: Path) -> None:
     assert len(of_kind(read_events(tmp_path), "birth")) > before["id"].size - 3
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("order", ["after", "before"])
+@pytest.mark.parametrize(
+    ("order", "ranks"), [("after", 1), ("before", 2), *slow(("after", 2), ("before", 1))]
+)
 def test_cells_evaporate(order: str, ranks: int, tmp_path: Path) -> None:
     """Another fix removes cells on event steps, also those of pairs and those that detach."""
     evaporate = "fix evap cells evaporate 2 1 whole 77"
@@ -179,7 +188,7 @@ def test_cells_moved_by_a_command_name_no_timestep(tmp_path: Path) -> None:
     assert "timestep" not in message
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_state_of_added_cells_is_read(ranks: int, tmp_path: Path) -> None:
     """By read_data, from its section; without that, they are new cells."""
     z = HEIGHT + 2.4

@@ -35,7 +35,9 @@ from tests.cells.scripts import busy, run_script, told
 # ---- who leaves
 
 
-@pytest.mark.parametrize(("lam", "ranks"), [(1.2, 1), (1.4, 1), (1.4, 2)])
+@pytest.mark.parametrize(
+    ("lam", "ranks"), [(1.2, 1), pytest.param(1.4, 1, marks=pytest.mark.slow), (1.4, 2)]
+)
 def test_ta_cells_beyond_the_threshold_leave(lam: float, ranks: int, tmp_path: Path) -> None:
     """Cells of all kinds a little nearer and a little further than the threshold."""
     scene = membrane_scene(
@@ -123,12 +125,12 @@ FAR, NEAR = 1.3 * CONTACT, 1.05 * CONTACT
     ("kinds", "heights", "ranks"),
     [
         ((Kind.TA, Kind.TA), (FAR, NEAR), 1),
-        ((Kind.TA, Kind.TA), (FAR, NEAR), 2),
+        pytest.param((Kind.TA, Kind.TA), (FAR, NEAR), 2, marks=pytest.mark.slow),
         ((Kind.TA, Kind.TA), (NEAR, FAR), 1),
         ((Kind.TA, Kind.TA), (FAR, FAR), 1),
         ((Kind.TA, Kind.TA), (FAR, FAR), 2),
         ((Kind.STEM, Kind.TA), (NEAR, FAR), 1),
-        ((Kind.STEM, Kind.TA), (NEAR, FAR), 2),
+        pytest.param((Kind.STEM, Kind.TA), (NEAR, FAR), 2, marks=pytest.mark.slow),
         ((Kind.EXHAUSTED, Kind.EXHAUSTED), (NEAR, FAR), 1),
     ],
     ids=[
@@ -232,7 +234,10 @@ MEMBRANE, FOUNDERS = 24 * 28, 25
 FIRST_BORN = MEMBRANE + FOUNDERS + 1
 
 
-@pytest.fixture(scope="module", params=[1, 2], ids=["one-rank", "two-ranks"])
+@pytest.fixture(
+    scope="module", params=[1, pytest.param(2, marks=pytest.mark.slow)],
+    ids=["one-rank", "two-ranks"],
+)  # fmt: skip
 def crowded_run(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, Cells]:

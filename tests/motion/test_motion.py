@@ -82,7 +82,7 @@ def test_collapsed_triangle_is_survived() -> None:
         state_after(scene.replace(**{"numerics.largest_move": 0.0}), start, 1.0)
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_inverted_triangle_ends_the_run(ranks: int) -> None:
     """It is named if it stays for two time units; no timestep turns back what began like that."""
     scene, configuration = sheet(**{"numerics.timestep": 0.5})
@@ -109,8 +109,9 @@ def test_hopeless_steps_end_the_run() -> None:
         state_after(scene, configuration, 0.1)
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("move", [1e3, 0.0])
+@pytest.mark.parametrize(
+    ("move", "ranks"), [(1e3, 1), (1e3, 2), (0.0, 1), pytest.param(0.0, 2, marks=pytest.mark.slow)]
+)
 def test_a_link_that_breaks_divides_the_step(move: float, ranks: int) -> None:
     """A particle that is pulled has a place of rest; without `move` its links break on the way."""
     scene, configuration = sheet(
@@ -128,7 +129,7 @@ def test_a_link_that_breaks_divides_the_step(move: float, ranks: int) -> None:
     assert motion.divided >= 1 and motion.evaluations > 10
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_particles_beyond_the_neighbor_lists(ranks: int) -> None:
     """All drift by 0.25 in a step; at stage 4 of 5 alone they are beyond half of the skin."""
     scene, configuration = sheet(

@@ -242,7 +242,9 @@ def run_lmp(folder: Path, script: str, ranks: int = 1) -> subprocess.CompletedPr
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60)
 
 
-@pytest.mark.parametrize(("shape", "many"), [("crumpled", 2), ("folded", 4)])
+@pytest.mark.parametrize(
+    ("shape", "many"), [("crumpled", 2), pytest.param("folded", 4, marks=pytest.mark.slow)]
+)
 def test_ranks(tmp_path: Path, shape: str, many: int) -> None:
     """On several ranks energy, pressure and all per-atom values are those of one."""
     listed_at_random(make_sheet(shape)).write(tmp_path / "data")
@@ -317,7 +319,7 @@ def test_newton_off_is_refused(lammps: Any, tmp_path: Path) -> None:
         evaluate(lammps, *SKIN)
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_degenerate_triangle(tmp_path: Path, ranks: int) -> None:
     """Three particles on a line have no normal: the error names them and the step."""
     sheet = make_sheet("crumpled")

@@ -33,7 +33,10 @@ FULL = "quarter-nd-a"
 SHAPES = ("crumpled", "folded")
 SETS = ("printed", "papilla", "weak5", "direct5")
 ANALYTIC, TABLE = 1e-9, 1e-5  # relative errors
-CASES = (("crumpled", "papilla"), ("folded", "direct5"), ("folded", "printed"))
+CASES = (
+    ("crumpled", "papilla"), ("folded", "direct5"),
+    pytest.param("folded", "printed", marks=pytest.mark.slow),
+)  # fmt: skip
 LENNARD_JONES = (
     "dermis_membrane", "membrane_exclusion", "cell_membrane_exclusion", "cell_cell_exclusion",
 )  # fmt: skip

@@ -208,7 +208,9 @@ def test_crowded_scene_reaches_every_branch(crowded: State) -> None:
 LONGER = [pytest.param(name, marks=pytest.mark.slow) for name in ("papilla", "weak5")]
 
 
-@pytest.mark.parametrize("name", ["printed", "direct5", *LONGER])
+@pytest.mark.parametrize(
+    "name", ["direct5", pytest.param("printed", marks=pytest.mark.slow), *LONGER]
+)
 def test_forces_are_central_differences(crowded: State, name: str) -> None:
     """Each term's forces are minus the central differences of its energy."""
     parameters, step = named(name), 1e-5

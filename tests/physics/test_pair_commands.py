@@ -125,7 +125,7 @@ def small_box(style: str) -> str:
     """
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_own_images(ranks: int, tmp_path: Path) -> None:
     output = run_script(tmp_path, small_box("lj/cut") + small_box("skin/lj"), ranks=ranks)
     rows = [line.split() for line in output.splitlines() if len(line.split()) == 8]
@@ -214,7 +214,7 @@ def test_fix_adapt_as_of_stock(style: str) -> None:
     assert found[1] == pytest.approx(found[0], rel=1e-11)
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_fix_adapt_while_lists_change(ranks: int, tmp_path: Path) -> None:
     """Of one pair of types alone, on each step, while atoms are sorted and change their ranks."""
     found = []

