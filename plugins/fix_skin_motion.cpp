@@ -32,7 +32,7 @@ static constexpr double SHORTEST = 1.0e-6;
 
 // nor into more parts than this: it is stable, but no step would ever end
 
-static constexpr int MOST_PARTS = 1000;
+static constexpr int MOST_PARTS = 10000;
 
 // time for which there may be inverted triangles
 

@@ -68,7 +68,7 @@ def test_divided_euler() -> None:
     start = Configuration.from_scene(sheet("rkl2", 0.01))
     exact = smooth_sheet(sheet("rkl2", END / 2048), start)
     errors = [
-        float(np.abs(smooth_sheet(sheet("euler", END / 2, move=move), start) - exact).max())
+        float(np.abs(smooth_sheet(sheet("euler", END, move=move), start) - exact).max())
         for move in (2e-4, 1e-4, 5e-5)
     ]
     np.testing.assert_allclose(observed(errors), 1, atol=TOLERANCE)
