@@ -1,9 +1,9 @@
 // Bending of a triangulated membrane: each dihedral (i1,i2,i3,i4) is a link i2-i3 with the
-// triangles (i1,i2,i3) and (i4,i3,i2) on its two sides, E = K/2 (1 - N1.N2)^2.
+// triangles (i1,i2,i3) and (i4,i3,i2) on its two sides, E = K/2 (1 - N1.N2)^2, or a form of it
+// that diverges as the fold closes.
 
 #include "dihedral_skin_bend.h"
 
-#include "skin_bend_forces.h"
 #include "skin_remedy.h"
 
 #include "atom.h"
@@ -14,6 +14,7 @@
 #include "neighbor.h"
 #include "update.h"
 
+#include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
@@ -22,12 +23,17 @@ using namespace LAMMPS_NS;
 
 static constexpr double INVERTED = -0.5;
 
+// forms of the energy
+
+static const char COSINE[] = "cosine", DIVERGING[] = "diverging";
+
 static constexpr double DEGREES = 180.0 / 3.14159265358979323846;
 
 /* ---------------------------------------------------------------------- */
 
 DihedralSkinBend::DihedralSkinBend(LAMMPS *lmp) :
-    Dihedral(lmp), stiffness(nullptr), triangles(lmp), ninverted(0.0), turned(lmp, INVERTED)
+    Dihedral(lmp), stiffness(nullptr), limit(nullptr), triangles(lmp), ninverted(0.0),
+    inverted_triangles(lmp, INVERTED)
 {
   writedata = 1;
   centroidstressflag = CENTROID_NOTAVAIL;
@@ -40,6 +46,7 @@ DihedralSkinBend::~DihedralSkinBend()
   if (allocated) {
     memory->destroy(setflag);
     memory->destroy(stiffness);
+    memory->destroy(limit);
   }
 }
 
@@ -57,14 +64,25 @@ void DihedralSkinBend::compute(int eflag, int vflag)
   const int n = (int) triangles.all.size();
   if (n == 0) return;
 
-  const SkinFolds folds = skin_bend(triangles, atom->x[0], stiffness, atom->ndihedraltypes,
-                                    INVERTED, normal.data(), atom->f[0]);
+  const SkinFolds folds =
+      skin_bend(triangles, atom->x[0], law(), INVERTED, normal.data(), atom->f[0]);
   if (folds.without_normal > 0.0)
     for (int t = 0; t < n; t++)
       if (!(normal[4 * t + 3] < 1.0 / SKIN_SMALLEST_NORMAL)) degenerate(t);
   ninverted = folds.inverted;
   if (eflag_either) tally_energy();
   if (vflag_either) tally_virial();
+}
+
+/* ---------------------------------------------------------------------- */
+
+SkinFoldLaw DihedralSkinBend::law() const
+{
+  const int n = atom->ndihedraltypes;
+  const double *const first = limit + 1;
+  const bool limited =
+      std::any_of(first, first + n, [](double c) { return c != SkinFoldLaw::NO_LIMIT; });
+  return {stiffness, limit, n, limited};
 }
 
 /* ---------------------------------------------------------------------- */
@@ -81,13 +99,12 @@ double DihedralSkinBend::cosine(int t, int k) const
 
 void DihedralSkinBend::add_stiffness(double *sum) const
 {
+  const SkinFoldLaw folds = law();
   for (int t = 0; t < (int) triangles.all.size(); t++) {
     const SkinTriangle &mine = triangles.all[t];
     double fold = 0.0;
-    for (int k = 0; k < 3; k++) {
-      const double c = cosine(t, k);
-      if (mine.across[k] != t) fold += stiffness[mine.type[k]] * (1.0 - c) * (2.0 + c);
-    }
+    for (int k = 0; k < 3; k++)
+      if (mine.bends(k, t)) fold += folds.curvature(mine.type[k], cosine(t, k));
 
     double edges = 0.0;
     for (int k = 0; k < 3; k++) {
@@ -105,7 +122,7 @@ void DihedralSkinBend::add_stiffness(double *sum) const
 
 bool DihedralSkinBend::find_inverted()
 {
-  return turned.find(triangles, normal.data(), ninverted > 0.0);
+  return inverted_triangles.find(triangles, normal.data(), ninverted > 0.0);
 }
 
 /* ----------------------------------------------------------------------
@@ -115,11 +132,11 @@ bool DihedralSkinBend::find_inverted()
 
 void DihedralSkinBend::tally_energy()
 {
+  const SkinFoldLaw folds = law();
   for (int t = 0; t < (int) triangles.all.size(); t++) {
     const SkinTriangle &mine = triangles.all[t];
     for (int k = 0; k < 3; k++) {
-      const double fold = 1.0 - cosine(t, k);
-      const double link = mine.across[k] == t ? 0.0 : 0.5 * stiffness[mine.type[k]] * fold * fold;
+      const double link = mine.bends(k, t) ? folds.energy(mine.type[k], cosine(t, k)) : 0.0;
       if (eflag_global) energy += 0.5 * link;
       if (eflag_atom)
         for (int c = 0; c < 3; c++) eatom[mine.corner[c]] += (c == k ? 0.25 : 0.125) * link;
@@ -138,7 +155,7 @@ void DihedralSkinBend::tally_virial()
     const SkinPoint<double> o = load<double>(atom->x[0], &corner[0], 1);
     const SkinPoint<double> p = load<double>(atom->x[0], &corner[1], 1) - o;
     const SkinPoint<double> q = load<double>(atom->x[0], &corner[2], 1) - o;
-    const SkinPush push = skin_push(triangles, t, atom->x[0], stiffness, normal.data());
+    const SkinPush push = skin_push(triangles, t, atom->x[0], law(), normal.data());
     const SkinPoint<double> &a = push.one, &b = push.two;
     const double w[6] = {p.x * a.x + q.x * b.x, p.y * a.y + q.y * b.y, p.z * a.z + q.z * b.z,
                          p.x * a.y + q.x * b.y, p.x * a.z + q.x * b.z, p.y * a.z + q.y * b.z};
@@ -154,12 +171,13 @@ void DihedralSkinBend::tally_virial()
 
 void DihedralSkinBend::inverted(double duration, bool at_start) const
 {
+  const tagint *const corner = inverted_triangles.corner.data();
   error->all(FLERR,
              "Dihedral skin/bend: the triangle of atoms {} {} {} is inverted on step {}: its "
              "folds against those around it are {} degrees and more, above {}, and there have "
              "been inverted ones for {} time units{}",
-             turned.corner[0], turned.corner[1], turned.corner[2], update->ntimestep,
-             std::acos(turned.cosine) * DEGREES, std::acos(INVERTED) * DEGREES, duration,
+             corner[0], corner[1], corner[2], update->ntimestep,
+             std::acos(inverted_triangles.cosine) * DEGREES, std::acos(INVERTED) * DEGREES, duration,
              skin_remedy(update, modify, at_start));
 }
 
@@ -184,10 +202,12 @@ void DihedralSkinBend::allocate()
   const int np1 = atom->ndihedraltypes + 1;
 
   memory->create(stiffness, np1, "dihedral:stiffness");
+  memory->create(limit, np1, "dihedral:limit");
   memory->create(setflag, np1, "dihedral:setflag");
   for (int i = 0; i < np1; i++) {
     setflag[i] = 0;
     stiffness[i] = 0.0;
+    limit[i] = SkinFoldLaw::NO_LIMIT;
   }
 }
 
@@ -197,8 +217,9 @@ void DihedralSkinBend::allocate()
 
 void DihedralSkinBend::coeff(int narg, char **arg)
 {
-  if (narg != 2)
-    error->all(FLERR, "Dihedral style skin/bend needs one coefficient, K, but got {}", narg - 1);
+  if (narg != 2 && narg != 3)
+    error->all(FLERR, "Dihedral style skin/bend needs K and may have a form, but got {} "
+               "coefficients", narg - 1);
   if (!allocated) allocate();
 
   int ilo, ihi;
@@ -206,9 +227,14 @@ void DihedralSkinBend::coeff(int narg, char **arg)
 
   const double k = utils::numeric(FLERR, arg[1], false, lmp);
   check(k, arg[1]);
+  const std::string form = narg == 3 ? arg[2] : COSINE;
+  if (form != COSINE && form != DIVERGING)
+    error->all(FLERR, "Dihedral style skin/bend: form = {} must be {} or {}", form, COSINE,
+               DIVERGING);
 
   for (int i = ilo; i <= ihi; i++) {
     stiffness[i] = k;
+    limit[i] = form == DIVERGING ? 0.0 : SkinFoldLaw::NO_LIMIT;
     setflag[i] = 1;
   }
 }
@@ -247,9 +273,10 @@ void DihedralSkinBend::init_style()
 void DihedralSkinBend::write_restart(FILE *fp)
 {
   const size_t n = atom->ndihedraltypes;
-  if (fwrite(&stiffness[1], sizeof(double), n, fp) != n)
-    error->one(FLERR, "Dihedral skin/bend: cannot write to the restart file: {}",
-               utils::getsyserror());
+  for (const double *all : {stiffness, limit})
+    if (fwrite(&all[1], sizeof(double), n, fp) != n)
+      error->one(FLERR, "Dihedral skin/bend: cannot write to the restart file: {}",
+                 utils::getsyserror());
 }
 
 /* ---------------------------------------------------------------------- */
@@ -258,10 +285,11 @@ void DihedralSkinBend::read_restart(FILE *fp)
 {
   allocate();
 
-  if (comm->me == 0)
-    utils::sfread(FLERR, &stiffness[1], sizeof(double), atom->ndihedraltypes, fp, nullptr, error);
-  MPI_Bcast(&stiffness[1], atom->ndihedraltypes, MPI_DOUBLE, 0, world);
-
+  const int n = atom->ndihedraltypes;
+  for (double *all : {stiffness, limit}) {
+    if (comm->me == 0) utils::sfread(FLERR, &all[1], sizeof(double), n, fp, nullptr, error);
+    MPI_Bcast(&all[1], n, MPI_DOUBLE, 0, world);
+  }
   for (int i = 1; i <= atom->ndihedraltypes; i++) setflag[i] = 1;
 }
 
@@ -270,7 +298,7 @@ void DihedralSkinBend::read_restart(FILE *fp)
 void DihedralSkinBend::write_data(FILE *fp)
 {
   for (int i = 1; i <= atom->ndihedraltypes; i++)
-    utils::print(fp, "{} {:.17g}\n", i, stiffness[i]);
+    utils::print(fp, "{} {:.17g} {}\n", i, stiffness[i], limit[i] == 0.0 ? DIVERGING : COSINE);
 }
 
 /* ----------------------------------------------------------------------

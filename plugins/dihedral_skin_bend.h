@@ -3,6 +3,7 @@
 
 #include "dihedral.h"
 
+#include "skin_bend_forces.h"
 #include "skin_build.h"
 #include "skin_inverted.h"
 #include "skin_triangles.h"
@@ -31,14 +32,16 @@ class DihedralSkinBend : public Dihedral {
 
  private:
   double *stiffness;
+  double *limit;    // cosine of a fold below which its energy diverges
 
   SkinTriangles triangles;
   SkinBuild build;                  // that the triangles belong to
   std::vector<double> normal;       // of each triangle: unit normal, 1 / length of the other
   double ninverted;                 // of the last compute(), or a little more
-  SkinInverted turned;
+  SkinInverted inverted_triangles;
 
   void allocate();
+  SkinFoldLaw law() const;
   double cosine(int, int) const;
   void tally_energy();
   void tally_virial();

@@ -28,7 +28,7 @@ using namespace FixConst;
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), seed(0), membrane_type(0), kinds(lmp), contact(0.0), core(0.0),
     spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
-    half_separation(0.0), every(1), inherited_groups(0), next_id(0), births(0), deaths(0), state{},
+    half_separation(0.0), pairs_stay(false), apart(0.0), every(1), inherited_groups(0), next_id(0), births(0), deaths(0), state{},
     log(lmp), log_position(-1), setup_time(0.0), time_offset(0.0),
     known_atoms(0), energy{}, energy_all{}, energy_summed(false), nmax(0), rearranged(true)
 {

@@ -71,6 +71,8 @@ class FixSkinCells : public Fix {
   double spring_stiffness, spring_start, spring_rate;    // division spring
   double spring_end;                                     // its length when the division ends
   double half_separation;                                // of a newborn pair
+  bool pairs_stay;                                       // no cell of a pair leaves
+  double apart;                                          // least distance at the end of a pair
   int every;                                             // steps between event steps
   int inherited_groups;    // bits of groups in which a daughter is if her mother is
 
@@ -87,6 +89,7 @@ class FixSkinCells : public Fix {
 
   SkinNearest nearest;
   std::vector<int> cells;    // local indices of my cells since the last neighbor build
+  std::vector<char> parted;  // which of them were far enough from the other cell of their pair
   double energy[NTERMS], energy_all[NTERMS];
   bool energy_summed;
   int nmax;           // rows of array_atom
@@ -128,7 +131,9 @@ class FixSkinCells : public Fix {
   std::string remedy() const;
   void lost(int, double) const;
   void pierced(int, const SkinNearest::Neighbor &, double) const;
-  void pull_pair(int);
+  double pull_pair(int);
+  int partner_of(int) const;
+  double stiffness_of(int) const;
   void tally_energy(int, int, double);
   void add_pair_force(int, int, double);
   void write_row(int, const SkinNearest::Neighbor &);
@@ -139,10 +144,12 @@ class FixSkinCells : public Fix {
   double wait(const SkinCellKind &, tagint, int) const;
   double next_division(int, double, int) const;
   double pair_end_time(int) const;
+  double distance_in_pair(int) const;
+  std::vector<SkinCellEvent> grown_pairs() const;
   bool detached(int) const;
   bool divides_by(int, double) const;
   void plan_events(bigint);
-  std::vector<SkinCellEvent> due_events();
+  std::vector<SkinCellEvent> due_events(const std::vector<SkinCellEvent> &) const;
   SkinCellEvent death_of(int) const;
   void remove(const SkinCellEvent &);
   void log_event(const SkinCellEvent &, const char *, tagint, tagint, const char *);
@@ -160,7 +167,7 @@ class FixSkinCells : public Fix {
 
   // births
 
-  SkinCellEvent division_of(int, const SkinNearest::Neighbor &) const;
+  SkinCellEvent division_of(int, double, const SkinNearest::Neighbor &) const;
   void middle_of_subdomain(double *) const;
   void skip_used_ids();
   tagint new_id();

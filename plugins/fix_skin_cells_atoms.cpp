@@ -149,6 +149,7 @@ void FixSkinCells::list_cells()
     else set_row(i, nullptr);
   }
   rearranged = false;
+  parted.assign(cells.size(), 0);
 
   nearest.clear_candidates();
   if (cells.empty()) return;

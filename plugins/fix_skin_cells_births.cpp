@@ -21,7 +21,8 @@ using namespace LAMMPS_NS;
    plane normal to the line from her to her nearest membrane particle
 ------------------------------------------------------------------------- */
 
-SkinCellEvent FixSkinCells::division_of(int i, const SkinNearest::Neighbor &closest) const
+SkinCellEvent FixSkinCells::division_of(int i, double earliest,
+                                       const SkinNearest::Neighbor &closest) const
 {
   const double *x = atom->x[i], *y = atom->x[closest.index];
   const double r = std::sqrt(closest.distsq);
@@ -44,8 +45,7 @@ SkinCellEvent FixSkinCells::division_of(int i, const SkinNearest::Neighbor &clos
   const SkinCellKinds::Stage stage = {kind_of(i), state.divisions_left[i]};
   SkinCellEvent event = death_of(i);
   event.kind = SkinCellEvent::BIRTH;
-  event.time = state.next_division[i];
-  if (state.pair[i]) event.time = std::max(event.time, pair_end_time(i));
+  event.time = std::max(state.next_division[i], earliest);
   event.mother = kinds.after_division(stage);
   event.cell = kinds.newborn(stage);
   for (int d = 0; d < 3; d++) {

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 using namespace LAMMPS_NS;
@@ -81,9 +82,10 @@ void FixSkinCells::plan_events(bigint step)
   refresh_state();
 
   int due = 0, due_anywhere;
-  for (int i : cells) {
-    if (detached(i) || divides_by(i, time) ||
-        (state.pair[i] && pair_end_time(i) <= time)) {
+  for (size_t k = 0; k < cells.size(); k++) {
+    const int i = cells[k];
+    const bool ends = state.pair[i] && pair_end_time(i) <= time && (parted[k] || apart == 0.0);
+    if (detached(i) || divides_by(i, time) || ends) {
       due = 1;
       break;
     }
@@ -107,7 +109,12 @@ void FixSkinCells::pre_exchange()
     pre_neighbor();
   }
 
-  std::vector<SkinCellEvent> events = SkinCellEvent::gather(due_events(), world);
+  comm->forward_comm();
+  nearest.bin(atom, membrane_type);
+  refresh_state();
+  std::vector<SkinCellEvent> events = SkinCellEvent::gather(grown_pairs(), world);
+  const std::vector<SkinCellEvent> others = SkinCellEvent::gather(due_events(events), world);
+  events.insert(events.end(), others.begin(), others.end());
   const std::vector<SkinCellEvent> ends = SkinCellEvent::gather(pairs_ended_by(events), world);
   events.insert(events.end(), ends.begin(), ends.end());
   std::sort(events.begin(), events.end());
@@ -145,29 +152,29 @@ void FixSkinCells::pre_exchange()
 }
 
 /* ----------------------------------------------------------------------
-   my events; detachment was noticed with the forces of earlier steps, while divisions need the
-   nearest membrane particles of the current positions
+   my deaths and births; detachment was noticed with the forces of earlier steps, while divisions
+   need the nearest membrane particles of the current positions. A cell of a pair divides if the
+   pair is among those that end.
 ------------------------------------------------------------------------- */
 
-std::vector<SkinCellEvent> FixSkinCells::due_events()
+std::vector<SkinCellEvent>
+FixSkinCells::due_events(const std::vector<SkinCellEvent> &pair_ends) const
 {
-  comm->forward_comm();
-  nearest.bin(atom, membrane_type);
-  refresh_state();
+  std::map<tagint, double> ended;
+  for (const SkinCellEvent &end : pair_ends) ended[end.id] = ended[end.other] = end.time;
 
   const double time = now();
   std::vector<SkinCellEvent> events;
-
   for (int i : cells) {
-    const bool grown = state.pair[i] && pair_end_time(i) <= time;
-    if (grown && atom->tag[i] > state.pair[i])
-      events.push_back(end_of_pair(i, pair_end_time(i), SkinCellEvent::GROWN));
-
+    const auto end = ended.find(atom->tag[i]);
+    const bool single = !state.pair[i] || end != ended.end();
     if (detached(i)) {
       events.push_back(death_of(i));
-    } else if ((grown || !state.pair[i]) && divides_by(i, time)) {
+    } else if (single && divides_by(i, time)) {
       const SkinNearest::Neighbor closest = nearest.find(atom->x[i]);
-      if (closest.index >= 0) events.push_back(division_of(i, closest));
+      const double earliest = state.pair[i] ? end->second : 0.0;
+      if (closest.index >= 0 && closest.distsq <= reach() * reach())
+        events.push_back(division_of(i, earliest, closest));
     }
   }
   return events;

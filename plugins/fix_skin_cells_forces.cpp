@@ -37,13 +37,14 @@ void FixSkinCells::add_forces(int which, int eflag, int vflag)
   ev_init(eflag, vflag);
   std::fill(energy, energy + NTERMS, 0.0);
   energy_summed = false;
+  parted.assign(cells.size(), 0);
 
   for (int k = 0; k < (int) cells.size(); k++) {
     const int i = cells[k];
     const SkinNearest::Neighbor closest =
         nearest.nearest_candidate(k, atom->x[i], atom->x[0], atom->tag);
     if (which & ATTACHMENT) attach(i, closest);
-    if ((which & SPRINGS) && state.pair[i]) pull_pair(i);
+    if ((which & SPRINGS) && state.pair[i]) parted[k] = pull_pair(i) > apart;
     write_row(i, closest);
   }
 }
@@ -74,7 +75,8 @@ void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
 
   if (!kind.detaches()) {
     if (!(r <= reach()) && time_offset == 0.0) lost(i, r);
-  } else if (!(stretch <= end) && state.detached_time[i] < 0.0 && update->whichflag == 1) {
+  } else if (!(stretch <= end) && state.detached_time[i] < 0.0 && update->whichflag == 1 &&
+             !(pairs_stay && state.pair[i])) {
     state.detached_time[i] = now();
   }
   if (kind.law == SkinCellKind::NO_LAW || !(stretch > 0.0)) return;
@@ -84,9 +86,21 @@ void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
   const double width = kind.range - 1.0, s = std::min({stretch, width, end});
   const double q = kind.law == SkinCellKind::ADHESIVE ? s * s / (width * width) : 0.0;
   const int term = kind.law == SkinCellKind::ADHESIVE ? ADHESION : BINDING;
-  tally_energy(term, i, 0.5 * kind.stiffness * s * s * (1.0 - 0.5 * q));
-  const double slope = stretch > end ? 0.0 : kind.stiffness * s * (1.0 - q);
+  const double stiffness = stiffness_of(i);
+  tally_energy(term, i, 0.5 * stiffness * s * s * (1.0 - 0.5 * q));
+  const double slope = stretch > end ? 0.0 : stiffness * s * (1.0 - q);
   if (slope != 0.0 && closest.index >= 0) add_pair_force(i, closest.index, -slope / (contact * r));
+}
+
+/* ----------------------------------------------------------------------
+   K of the law of a cell, which may be another one in a dividing pair
+------------------------------------------------------------------------- */
+
+double FixSkinCells::stiffness_of(int i) const
+{
+  const SkinCellKind &kind = kinds[kind_of(i)];
+  const bool other = kind.paired && state.pair[i] && kind_of(partner_of(i)) == kind.paired;
+  return other ? kind.paired_stiffness : kind.stiffness;
 }
 
 /* ----------------------------------------------------------------------
@@ -151,18 +165,27 @@ void FixSkinCells::pierced(int i, const SkinNearest::Neighbor &closest, double r
 }
 
 /* ----------------------------------------------------------------------
-   division spring: each owner computes the force on its own cell, and half of the energy
+   the other cell of a dividing pair, at its image closest to this one
 ------------------------------------------------------------------------- */
 
-void FixSkinCells::pull_pair(int i)
+int FixSkinCells::partner_of(int i) const
 {
-  int j = local_index(state.pair[i]);
+  const int j = local_index(state.pair[i]);
   if (j < 0)
     error->one(FLERR, "Fix skin/cells: the cells {} and {} of a dividing pair have lost each other "
                "on step {}{}",
                atom->tag[i], state.pair[i], update->ntimestep, remedy());
-  j = domain->closest_image(i, j);
+  return domain->closest_image(i, j);
+}
 
+/* ----------------------------------------------------------------------
+   division spring: each owner computes the force on its own cell, and half of the energy; returns
+   the distance of the two
+------------------------------------------------------------------------- */
+
+double FixSkinCells::pull_pair(int i)
+{
+  const int j = partner_of(i);
   const double *xi = atom->x[i], *xj = atom->x[j];
   const double delta[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]};
   const double r = std::sqrt(delta[0] * delta[0] + delta[1] * delta[1] + delta[2] * delta[2]);
@@ -184,6 +207,7 @@ void FixSkinCells::pull_pair(int i)
     for (double &h : half) h *= 0.5 * fpair;
     v_tally(i, half);
   }
+  return r;
 }
 
 /* ----------------------------------------------------------------------

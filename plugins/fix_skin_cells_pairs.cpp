@@ -8,6 +8,7 @@
 #include "error.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 using namespace LAMMPS_NS;
@@ -100,6 +101,30 @@ void FixSkinCells::end_widowed_pairs()
     dissolve(end, false);
   }
   log.flush();
+}
+
+/* ----------------------------------------------------------------------
+   pairs that end now by growth. With a distance that the two must have, the end is now.
+------------------------------------------------------------------------- */
+
+std::vector<SkinCellEvent> FixSkinCells::grown_pairs() const
+{
+  std::vector<SkinCellEvent> ends;
+  for (int i : cells) {
+    if (!state.pair[i] || state.pair[i] > atom->tag[i] || !(pair_end_time(i) <= now())) continue;
+    if (apart > 0.0 && !(distance_in_pair(i) > apart)) continue;
+    ends.push_back(end_of_pair(i, apart > 0.0 ? now() : pair_end_time(i), SkinCellEvent::GROWN));
+  }
+  return ends;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double FixSkinCells::distance_in_pair(int i) const
+{
+  const double *const x = atom->x[i], *const y = atom->x[partner_of(i)];
+  return std::sqrt((x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) +
+                   (x[2] - y[2]) * (x[2] - y[2]));
 }
 
 /* ----------------------------------------------------------------------

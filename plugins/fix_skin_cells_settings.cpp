@@ -50,6 +50,14 @@ void FixSkinCells::parse(int narg, char **arg)
                    spring_end, spring_start);
     } else if (keyword == "offset") {
       half_separation = arguments.number(SkinArguments::POSITIVE);
+    } else if (keyword == "pairs") {
+      arguments.need(2);
+      const std::string stay = arguments.word(), value = arguments.word();
+      if (stay != "stay" || (value != "yes" && value != "no"))
+        error->all(FLERR, "Fix skin/cells pairs = {} {}: must be stay yes or stay no", stay, value);
+      pairs_stay = value == "yes";
+    } else if (keyword == "apart") {
+      apart = arguments.number(SkinArguments::NOT_NEGATIVE);
     } else if (keyword == "every") {
       every = (int) arguments.integer(1);
     } else if (keyword == "next_id") {

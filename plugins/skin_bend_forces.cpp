@@ -50,29 +50,34 @@ SKIN_INLINE double all_normals(const std::vector<SkinTriangle> &triangles, int b
 }
 
 /* ----------------------------------------------------------------------
-   stiffness of the links of these types
+   coefficients of the links of these types
 ------------------------------------------------------------------------- */
 
 template <class T, bool ONE_TYPE>
-SKIN_INLINE T stiffness_of(const double *stiffness, const int *type, int stride)
+SKIN_INLINE T coefficient_of(const double *all, const int *type, int stride)
 {
   if constexpr (ONE_TYPE)
-    return T{} + stiffness[1];
+    return T{} + all[1];
   else if constexpr (skin_width<T> == 1)
-    return stiffness[type[0]];
+    return all[type[0]];
   else
-    return T{stiffness[type[0]], stiffness[type[stride]], stiffness[type[2 * stride]],
-             stiffness[type[3 * stride]]};
+    return T{all[type[0]], all[type[stride]], all[type[2 * stride]], all[type[3 * stride]]};
 }
 
 /* ----------------------------------------------------------------------
-   what the fold against the triangle across a link adds to dE/dN
+   dE/dc of folds with these cosines c, times the normal across the link what they add to dE/dN
 ------------------------------------------------------------------------- */
 
-template <class T>
-SKIN_INLINE SkinPoint<T> fold(const T &stiffness, const T &cosine, const SkinPoint<T> &across)
+template <class T, bool ONE_TYPE, bool LIMITED>
+SKIN_INLINE T slope(const SkinFoldLaw &law, const int *type, int stride, const T &cosine)
 {
-  return T(stiffness * (cosine - 1.0)) * across;
+  T each = cosine - 1.0;
+  if constexpr (LIMITED) {
+    const T limit = coefficient_of<T, ONE_TYPE>(law.limit, type, stride), open = 1.0 + cosine;
+    const T diverging = -1.0 / (open * open);
+    each = cosine < limit ? diverging : each;
+  }
+  return coefficient_of<T, ONE_TYPE>(law.stiffness, type, stride) * each;
 }
 
 /* ----------------------------------------------------------------------
@@ -90,24 +95,25 @@ SKIN_INLINE SkinPoint<T> turn(const SkinPoint<T> &g, const SkinPoint<T> &normal,
    normals
 ------------------------------------------------------------------------- */
 
-template <class T, bool ONE_TYPE>
-SKIN_INLINE void bend_pair(const SkinTriangle *t, const double *x, const double *stiffness,
+template <class T, bool ONE_TYPE, bool LIMITED>
+SKIN_INLINE void bend_pair(const SkinTriangle *t, const double *x, const SkinFoldLaw &law,
                            const double *normal, double least, double *f, T &inverted)
 {
   const SkinTriangle &first = t[0], &second = t[1];
   T of_a, of_b, unused;
   const SkinPoint<T> a = load_rows<T>(normal, &second.across[0], PAIR, of_a);
   const SkinPoint<T> b = load_rows<T>(normal, &first.across[0], PAIR, of_b);
-  const T shared = stiffness_of<T, ONE_TYPE>(stiffness, &first.type[0], PAIR), between = dot(a, b);
+  const T between = dot(a, b);
+  const T shared = slope<T, ONE_TYPE, LIMITED>(law, &first.type[0], PAIR, between);
 
-  SkinPoint<T> ga = fold(shared, between, b), gb = fold(shared, between, a);
+  SkinPoint<T> ga = shared * b, gb = shared * a;
   T most_a = between, most_b = between;
   for (int k = 1; k < 3; k++) {
     const SkinPoint<T> c = load_rows<T>(normal, &first.across[k], PAIR, unused);
     const SkinPoint<T> d = load_rows<T>(normal, &second.across[k], PAIR, unused);
     const T ac = dot(a, c), bd = dot(b, d);
-    ga = ga + fold(stiffness_of<T, ONE_TYPE>(stiffness, &first.type[k], PAIR), ac, c);
-    gb = gb + fold(stiffness_of<T, ONE_TYPE>(stiffness, &second.type[k], PAIR), bd, d);
+    ga = ga + slope<T, ONE_TYPE, LIMITED>(law, &first.type[k], PAIR, ac) * c;
+    gb = gb + slope<T, ONE_TYPE, LIMITED>(law, &second.type[k], PAIR, bd) * d;
     most_a = larger(most_a, ac);
     most_b = larger(most_b, bd);
   }
@@ -129,9 +135,9 @@ SKIN_INLINE void bend_pair(const SkinTriangle *t, const double *x, const double 
 
 /* ---------------------------------------------------------------------- */
 
-template <bool ONE_TYPE>
+template <bool ONE_TYPE, bool LIMITED>
 SKIN_INLINE double bend_pairs(const std::vector<SkinTriangle> &triangles, int begin, int end,
-                              const double *x, const double *stiffness, const double *normal,
+                              const double *x, const SkinFoldLaw &law, const double *normal,
                               double least, double *f)
 {
   const SkinTriangle *const all = triangles.data();
@@ -145,10 +151,10 @@ SKIN_INLINE double bend_pairs(const std::vector<SkinTriangle> &triangles, int be
       fetch_row(normal, later[m].across[2]);
       fetch(f, later[m].corner[0]);
     }
-    bend_pair<SkinQuad, ONE_TYPE>(all + 2 * k, x, stiffness, normal, least, f, four_inverted);
+    bend_pair<SkinQuad, ONE_TYPE, LIMITED>(all + 2 * k, x, law, normal, least, f, four_inverted);
   }
   for (; k < end; k++)
-    bend_pair<double, ONE_TYPE>(all + 2 * k, x, stiffness, normal, least, f, inverted);
+    bend_pair<double, ONE_TYPE, LIMITED>(all + 2 * k, x, law, normal, least, f, inverted);
   return inverted + sum(four_inverted);
 }
 
@@ -157,8 +163,8 @@ SKIN_INLINE double bend_pairs(const std::vector<SkinTriangle> &triangles, int be
 ------------------------------------------------------------------------- */
 
 SKIN_VECTOR static SkinFolds bend_blocks(const SkinTriangles &triangles, const double *x,
-                                         const double *stiffness, int ntypes, double least,
-                                         double *normal, double *f)
+                                         const SkinFoldLaw &law, double least, double *normal,
+                                         double *f)
 {
   const std::vector<SkinTriangle> &all = triangles.all;
   const int npairs = triangles.npairs;
@@ -169,9 +175,10 @@ SKIN_VECTOR static SkinFolds bend_blocks(const SkinTriangles &triangles, const d
     known = triangles.reach[block];
 
     const int end = std::min(begin + SkinTriangles::BLOCK, npairs);
-    folds.inverted += ntypes == 1 ?
-        bend_pairs<true>(all, begin, end, x, stiffness, normal, least, f) :
-        bend_pairs<false>(all, begin, end, x, stiffness, normal, least, f);
+    folds.inverted += law.limited ?
+        bend_pairs<false, true>(all, begin, end, x, law, normal, least, f) : law.ntypes == 1 ?
+        bend_pairs<true, false>(all, begin, end, x, law, normal, least, f) :
+        bend_pairs<false, false>(all, begin, end, x, law, normal, least, f);
   }
   return folds;
 }
@@ -179,16 +186,15 @@ SKIN_VECTOR static SkinFolds bend_blocks(const SkinTriangles &triangles, const d
 /* ---------------------------------------------------------------------- */
 
 SkinFolds LAMMPS_NS::skin_bend(const SkinTriangles &triangles, const double *x,
-                               const double *stiffness, int ntypes, double least, double *normal,
-                               double *f)
+                               const SkinFoldLaw &law, double least, double *normal, double *f)
 {
-  SkinFolds folds = bend_blocks(triangles, x, stiffness, ntypes, least, normal, f);
+  SkinFolds folds = bend_blocks(triangles, x, law, least, normal, f);
 
   // triangles without a partner are few
 
   for (int t = 2 * triangles.npairs; t < (int) triangles.all.size(); t++) {
     const SkinTriangle &mine = triangles.all[t];
-    const SkinPush push = skin_push(triangles, t, x, stiffness, normal);
+    const SkinPush push = skin_push(triangles, t, x, law, normal);
     add(f, &mine.corner[0], 1, SkinPoint<double>{} - (push.one + push.two));
     add(f, &mine.corner[1], 1, push.one);
     add(f, &mine.corner[2], 1, push.two);
@@ -203,7 +209,7 @@ SkinFolds LAMMPS_NS::skin_bend(const SkinTriangles &triangles, const double *x,
 /* ---------------------------------------------------------------------- */
 
 SkinPush LAMMPS_NS::skin_push(const SkinTriangles &triangles, int t, const double *x,
-                              const double *stiffness, const double *normal)
+                              const SkinFoldLaw &law, const double *normal)
 {
   const SkinTriangle &mine = triangles.all[t];
   double inverse, unused;
@@ -211,7 +217,7 @@ SkinPush LAMMPS_NS::skin_push(const SkinTriangles &triangles, int t, const doubl
   SkinPoint<double> g = {};
   for (int k = 0; k < 3; k++) {
     const SkinPoint<double> b = load_rows<double>(normal, &mine.across[k], 1, unused);
-    g = g + fold(stiffness[mine.type[k]], dot(a, b), b);
+    g = g + slope<double, false, true>(law, &mine.type[k], 1, dot(a, b)) * b;
   }
 
   const SkinPoint<double> h = turn(g, a, inverse), o = load<double>(x, &mine.corner[0], 1);

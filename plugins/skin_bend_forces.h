@@ -13,16 +13,42 @@ namespace LAMMPS_NS {
 
 static constexpr double SKIN_SMALLEST_NORMAL = 1.0e-10;
 
-// forces on all corners, K of each dihedral type in stiffness; stores the unit normals of all
-// triangles and 1 / length of the unnormalised ones, four numbers for each
+// energy of a fold as a function of the cosine c of its angle: K (1 - c)^2 / 2, and below the limit,
+// which is 0 or none, K (1/(1 + c) - 1/2), which has no end as the fold closes
+
+struct SkinFoldLaw {
+  static constexpr double NO_LIMIT = -2.0;
+
+  const double *stiffness, *limit;    // K and the limit of each dihedral type
+  int ntypes;
+  bool limited;    // whether any type has a limit
+
+  double energy(int type, double c) const
+  {
+    const double e = c < limit[type] ? 1.0 / (1.0 + c) - 0.5 : 0.5 * (1.0 - c) * (1.0 - c);
+    return stiffness[type] * e;
+  }
+
+  // a bound for the second derivative by the angle
+
+  double curvature(int type, double c) const
+  {
+    const double e = c < limit[type] ? (3.0 - 2.0 * c) / ((1.0 + c) * (1.0 + c))
+                                     : (1.0 - c) * (2.0 + c);
+    return stiffness[type] * e;
+  }
+};
+
+// forces on all corners; stores the unit normals of all triangles and 1 / length of the
+// unnormalised ones, four numbers for each
 
 struct SkinFolds {
   double without_normal;    // triangles that have none
   double inverted;          // folded by more than the angle with cosine least against all around
 };                          // them, or pairs of which one is
 
-SkinFolds skin_bend(const SkinTriangles &, const double *x, const double *stiffness, int ntypes,
-                    double least, double *normal, double *f);
+SkinFolds skin_bend(const SkinTriangles &, const double *x, const SkinFoldLaw &, double least,
+                    double *normal, double *f);
 
 // forces of one triangle on its corners 1 and 2
 
@@ -30,7 +56,7 @@ struct SkinPush {
   SkinPoint<double> one, two;
 };
 
-SkinPush skin_push(const SkinTriangles &, int, const double *x, const double *stiffness,
+SkinPush skin_push(const SkinTriangles &, int, const double *x, const SkinFoldLaw &,
                    const double *normal);
 
 // cosine of the angle between a triangle and the one across the link opposite to a corner

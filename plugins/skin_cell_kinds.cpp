@@ -39,12 +39,15 @@ void SkinCellKinds::add(SkinArguments &arguments)
 
 void SkinCellKinds::change(SkinArguments &arguments)
 {
-  arguments.need(2);
   const std::string name = arguments.word();
   const int kind = find(name);
   if (!kind) error->all(FLERR, "Fix skin/cells kind {}: there is no such kind", name);
   SkinCellKinds changed(*this);
+  const int before = arguments.used();
   changed.read(arguments, changed.rows[kind], false);
+  if (arguments.used() == before)
+    error->all(FLERR, "Fix skin/cells kind {} needs a value that can change, but got {}", name,
+               arguments.at_end() ? "nothing" : arguments.following());
   changed.complete();
   rows = changed.rows;
 }
@@ -91,6 +94,11 @@ void SkinCellKinds::read(SkinArguments &arguments, SkinCellKind &row, bool first
     } else if (word == "last") {
       arguments.keyword();
       row.last_name = arguments.word();
+    } else if (word == "paired") {
+      arguments.keyword();
+      arguments.need(2);
+      row.paired_name = arguments.word();
+      row.paired_stiffness = arguments.number(SkinArguments::NOT_NEGATIVE, "K");
     } else {
       break;
     }
@@ -156,6 +164,7 @@ void SkinCellKinds::complete()
     owner = kind;
     row.daughter = link(row, "daughter", row.daughter_name);
     row.last = link(row, "last", row.last_name);
+    row.paired = link(row, "paired", row.paired_name);
   }
   for (int kind = 1; kind <= size(); kind++) check(rows[kind]);
   for (SkinCellKind &row : rows) row.spent = false;
@@ -178,6 +187,8 @@ void SkinCellKinds::check(const SkinCellKind &row) const
   if (first.name != row.name)
     error->all(FLERR, "Fix skin/cells kind {} number = {}: is that of kind {}", row.name,
                row.number, first.name);
+  if (row.paired && row.law == SkinCellKind::NO_LAW)
+    error->all(FLERR, "Fix skin/cells kind {}: paired needs law bound or adhesive", row.name);
   if (row.divides() && row.cycle_rate == 0.0)
     error->all(FLERR, "Fix skin/cells kind {}: daughter needs cycle", row.name);
   if (row.limited() && !row.last)

@@ -48,7 +48,7 @@ void SkinInverted::measure(const SkinTriangles &triangles, const double *normal,
     const SkinTriangle &mine = triangles.all[t];
     double most = -1.0;
     for (int k = 0; k < 3; k++)
-      if (mine.across[k] != t) most = std::max(most, skin_cosine(triangles, t, k, normal));
+      if (mine.bends(k, t)) most = std::max(most, skin_cosine(triangles, t, k, normal));
     Corners tags;
     for (int k = 0; k < 3; k++) tags[k] = atom->tag[mine.corner[k]];
     std::sort(tags.begin(), tags.end());

@@ -67,7 +67,7 @@ void SkinTriangles::hinge(int t, int opposite, int other, int type)
   SkinTriangle &mine = found[t];
   int k = 0;
   while (mine.corner[k] != opposite) k++;
-  if (mine.across[k] != t)
+  if (mine.bends(k, t))
     error->one(FLERR, "Dihedral skin/bend: two dihedrals for one link of the triangle of atoms "
                "{} {} {}", atom->tag[mine.corner[0]], atom->tag[mine.corner[1]],
                atom->tag[mine.corner[2]]);

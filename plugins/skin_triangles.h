@@ -14,6 +14,10 @@ struct SkinTriangle {
   int corner[3];
   int across[3];    // triangle across the link opposite to each corner, itself if there is none
   int type[3];      // dihedral type of that link
+
+  // whether the link opposite to a corner of this triangle has a dihedral here
+
+  bool bends(int corner, int self) const { return across[corner] != self; }
 };
 
 class SkinTriangles : protected Pointers {

@@ -35,6 +35,7 @@ class Parameters:
     Kex: float = 0.04
     Kstr: float = 0.04
     Kbend: float = 0.5
+    bending_form: str = "cosine"
     Kad: float = 25.0
     Kbind: float = 25.0
     Kcc: float = 0.03
@@ -215,6 +216,21 @@ def u_binding(x: Floats) -> tuple[Floats, Floats]:
     return y**2 / 2, y
 
 
+def u_kind(
+    x: Floats, law: str, lam: float = np.inf, detach: float = np.inf
+) -> tuple[Floats, Floats]:
+    """Return what a kind of cell feels of the membrane at x, and its slope; K = 1.
+
+    Beyond its range, or beyond where the cell leaves, the energy stays what it is there.
+    """
+    end = min(lam, detach)
+    near = np.clip(x, 1, end) - 1
+    if law == "none":
+        return np.zeros_like(x), np.zeros_like(x)
+    q = (near / (lam - 1)) ** 2 if law == "adhesive" else 0.0
+    return near**2 / 2 * (1 - q / 2), np.where(x > end, 0.0, near * (1 - q))
+
+
 # ---- searches ----
 
 
@@ -343,16 +359,22 @@ def _bend(state: State, p: Parameters) -> Term:
     # 1 - N1.N2 without cancellation where the membrane is flat
     off = np.sum((normal[one] - normal[two]) ** 2, axis=1) / 2
 
+    value, slope = off**2 / 2, off  # for K = 1, and minus its derivative by N1.N2
+    if p.bending_form == "diverging":
+        wide = off > 1
+        open_ = np.where(wide, 2 - off, 1)
+        value, slope = np.where(wide, 1 / open_ - 0.5, value), np.where(wide, open_**-2, slope)
+
     by_normal = np.zeros_like(normal)  # dE/dN
-    np.add.at(by_normal, one, -p.Kbend * off[:, None] * normal[two])
-    np.add.at(by_normal, two, -p.Kbend * off[:, None] * normal[one])
+    np.add.at(by_normal, one, -p.Kbend * slope[:, None] * normal[two])
+    np.add.at(by_normal, two, -p.Kbend * slope[:, None] * normal[one])
     # N stays a unit vector: dN = (1 - N N) d(product) / length
     along = normal * np.sum(normal * by_normal, axis=1, keepdims=True)
     by_product = (by_normal - along) / length
     by_e1, by_e2 = np.cross(e2, by_product), np.cross(by_product, e1)
     for corner, gradient in zip(triangles.T, (-by_e1 - by_e2, by_e1, by_e2), strict=True):
         np.add.at(forces, corner, -gradient)
-    return p.Kbend * float(np.sum(off**2)) / 2, forces
+    return p.Kbend * float(np.sum(value)), forces
 
 
 def _division(state: State, p: Parameters) -> Term:

@@ -1,135 +1,25 @@
 """`dihedral_style skin/bend` against `multi/harmonic`, finite differences and itself."""
 
-import subprocess
-import sys
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.engine.engine import lammps_message, open_lammps
-from model_states import membrane, small_scene
-from numpy_model import Floats, Ints, State, energies_and_forces, named, triangular_lattice
-
-BIN = Path(sys.executable).parent
-LATTICE = (14, 16)
-K = 0.5
-SKIN = ("skin/bend", f"{K}")
-STOCK = ("multi/harmonic", f"{K / 2} {K} {K / 2} 0 0")
-
-COMPUTES = """
-compute energy all pe dihedral
-compute atomic all pe/atom dihedral
-compute stress all stress/atom NULL dihedral
-compute pressure all pressure NULL dihedral
-thermo_style custom step c_energy c_pressure[*]
-thermo_modify norm no
-dump all all custom 1 dump id fx fy fz c_atomic c_stress[*]
-"""
-SETTINGS = """
-units lj
-atom_style molecular
-processors * * 1
-boundary p p f
-neighbor 0.3 bin
-comm_modify cutoff 3.0
-log none
-"""
-
-
-class Sheet(NamedTuple):
-    """A membrane alone; the hinges are rows of `types` and of four particles."""
-
-    box: tuple[float, float]
-    positions: Floats
-    hinges: Ints
-    types: Ints
-
-    def write(self, path: Path) -> None:
-        """Write a data file."""
-        n, types = len(self.positions), max(self.types)
-        head = f"membrane\n\n{n} atoms\n{len(self.hinges)} dihedrals\n1 atom types\n"
-        head += f"{types} dihedral types\n\n0 {self.box[0]:.17g} xlo xhi\n"
-        head += f"0 {self.box[1]:.17g} ylo yhi\n0 40 zlo zhi\n\nMasses\n\n1 1\n\nAtoms\n\n"
-        inside = self.positions.copy()
-        inside[:, :2] %= self.box
-        rows = [f"{i} 0 1 {x:.17g} {y:.17g} {z:.17g}" for i, (x, y, z) in enumerate(inside, 1)]
-        lines = zip(self.types, self.hinges + 1, strict=True)
-        rows += ["\nDihedrals\n"]
-        rows += [f"{i} {t} {a} {b} {c} {d}" for i, (t, (a, b, c, d)) in enumerate(lines, 1)]
-        path.write_text(head + "\n".join(rows) + "\n")
-
-
-def make_sheet(shape: str) -> Sheet:
-    """Return a crumpled or folded membrane."""
-    scene = small_scene("bare-membrane")
-    positions = membrane(scene, shape, np.random.default_rng(3))
-    hinges = triangular_lattice(*LATTICE)[2]
-    return Sheet(scene.box_sides[:2], positions, hinges, np.ones(len(hinges), int))
-
-
-@pytest.fixture(params=["crumpled", "folded"])
-def sheet(request: pytest.FixtureRequest) -> Sheet:
-    """Return membranes of both shapes."""
-    return make_sheet(request.param)
-
-
-@pytest.fixture
-def lammps() -> Iterator[Any]:
-    """Return a LAMMPS without anything in it."""
-    engine = open_lammps()
-    engine.commands_string(SETTINGS)
-    yield engine
-    engine.close()
-
-
-class Result(NamedTuple):
-    """What LAMMPS computes: all per-atom values sorted by id."""
-
-    energy: float
-    pressure: Floats
-    forces: Floats
-    atomic: Floats
-    stress: Floats
-
-
-def evaluate(engine: Any, *style: str) -> Result:
-    """Set a dihedral style and all its coefficients and evaluate it."""
-    engine.command(f"dihedral_style {style[0]}")
-    for number, coefficients in enumerate(style[1:], 1):
-        engine.command(f"dihedral_coeff {number} {coefficients}")
-    engine.command("run 0")
-    return result(engine)
-
-
-def result(engine: Any) -> Result:
-    """Return what the last run has computed."""
-    order = np.argsort(engine.numpy.extract_atom("id")[: engine.extract_global("nlocal")])
-    get = engine.numpy.extract_compute
-    return Result(
-        float(get("energy", 0, 0)), np.array(get("pressure", 0, 1)),
-        engine.numpy.extract_atom("f")[order], get("atomic", 1, 1)[order],
-        get("stress", 1, 2)[order],
-    )  # fmt: skip
-
-
-def load(engine: Any, folder: Path, sheet: Sheet) -> None:
-    """Read a membrane into LAMMPS and define the computes."""
-    sheet.write(folder / "sheet.data")
-    engine.command(f"read_data {folder}/sheet.data")
-    engine.commands_string(COMPUTES.replace("custom 1 dump", f"custom 1 {folder}/dump"))
-
-
-def assert_same(got: Result, want: Result, tolerance: float) -> None:
-    """Compare all that two styles must agree in."""
-    scale = np.abs(want.forces).max()
-    assert got.energy == pytest.approx(want.energy, rel=tolerance, abs=0)
-    np.testing.assert_allclose(got.forces, want.forces, rtol=0, atol=tolerance * scale)
-    np.testing.assert_allclose(got.atomic, want.atomic, rtol=tolerance, atol=1e-15)
-    scale = np.abs(want.pressure).max()
-    np.testing.assert_allclose(got.pressure, want.pressure, rtol=0, atol=tolerance * scale)
-
+from lammps_skin.engine.engine import lammps_message
+from sheets import (
+    COMPUTES,
+    SETTINGS,
+    SKIN,
+    STOCK,
+    Sheet,
+    assert_same,
+    assert_same_as_numpy,
+    evaluate,
+    load,
+    make_sheet,
+    result,
+    run_lmp,
+)
 
 # ---- against stock LAMMPS ----
 
@@ -142,18 +32,6 @@ def test_same_as_multi_harmonic(lammps: Any, tmp_path: Path, sheet: Sheet) -> No
     assert np.abs(stock.forces).max() > 1
     assert np.abs(stock.pressure).min() > 1e-6
     assert_same(evaluate(lammps, *SKIN), stock, 1e-10)
-
-
-def assert_same_as_numpy(got: Result, sheet: Sheet, tolerance: float) -> None:
-    """Compare energy and forces with those of the numpy model."""
-    n = len(sheet.positions)
-    state = State(
-        np.full(n, "M"), sheet.positions, sheet.box, np.zeros(n, int), hinges=sheet.hinges
-    )
-    energies, forces = energies_and_forces(state, named("papilla"))
-    assert got.energy == pytest.approx(energies["bend"], rel=tolerance, abs=0)
-    scale = np.abs(forces["bend"]).max()
-    np.testing.assert_allclose(got.forces, forces["bend"], rtol=0, atol=tolerance * scale)
 
 
 def test_same_as_numpy(lammps: Any, tmp_path: Path, sheet: Sheet) -> None:
@@ -235,13 +113,6 @@ def test_drift_through_the_edges(lammps: Any, tmp_path: Path, sheet: Sheet) -> N
     assert_same(result(lammps), want, 1e-10)
 
 
-def run_lmp(folder: Path, script: str, ranks: int = 1) -> subprocess.CompletedProcess[str]:
-    """Run an input script in a folder."""
-    (folder / "in").write_text(script)
-    command = [BIN / "mpirun", "-np", str(ranks), BIN / "lmp", "-in", "in", "-nocite"]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60)
-
-
 @pytest.mark.parametrize(
     ("shape", "many"), [("crumpled", 2), pytest.param("folded", 4, marks=pytest.mark.slow)]
 )
@@ -275,8 +146,9 @@ def test_ranks(tmp_path: Path, shape: str, many: int) -> None:
     ("commands", "message"),
     [
         (["dihedral_coeff 1 -0.5"], "skin/bend: K = -0.5 must be a number >= 0"),
-        (["dihedral_coeff 1"], "needs one coefficient, K, but got 0"),
-        (["dihedral_coeff 1 0.5 0.5"], "needs one coefficient, K, but got 2"),
+        (["dihedral_coeff 1"], "needs K and may have a form, but got 0 coefficients"),
+        (["dihedral_coeff 1 0.5 cosine 1"], "needs K and may have a form, but got 3 coefficients"),
+        (["dihedral_coeff 1 0.5 0.5"], "form = 0.5 must be cosine or diverging"),
         (["dihedral_coeff 1 inf"], "K = inf|instead of 'inf'"),
         (["dihedral_coeff 1 nan"], "K = nan|instead of 'nan'"),
         (["dihedral_coeff 2 0.5"], "[Nn]umeric index 2 is out of bounds"),
@@ -369,13 +241,15 @@ def test_coefficients_survive_files(lammps: Any, tmp_path: Path) -> None:
     types = np.random.default_rng(1).integers(1, 3, len(sheet.hinges))
     load(lammps, tmp_path, sheet._replace(types=types))
     third, tenth = 1 / 3, 0.1
-    want = evaluate(lammps, SKIN[0], f"{third:.17g}", f"{tenth:.17g}")
+    want = evaluate(lammps, SKIN[0], f"{third:.17g}", f"{tenth:.17g} diverging")
     lammps.command(f"write_data {tmp_path}/written.data")
     lammps.command(f"write_restart {tmp_path}/written.restart")
     text = (tmp_path / "written.data").read_text().splitlines()
     start = text.index("Dihedral Coeffs # skin/bend")
     written = [line.split() for line in text[start + 2 : start + 4]]
-    assert [(int(number), float(k)) for number, k in written] == [(1, third), (2, tenth)]
+    assert [(int(number), float(k), form) for number, k, form in written] == [
+        (1, third, "cosine"), (2, tenth, "diverging"),
+    ]  # fmt: skip
 
     for read in (
         f"read_restart {tmp_path}/written.restart",

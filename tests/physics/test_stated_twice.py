@@ -64,7 +64,9 @@ def bending_energy(scene: Scene, state: Configuration) -> float:
     one = np.cross(between(state, a, i), between(state, a, j))
     other = np.cross(between(state, b, j), between(state, b, i))
     cosine = (one * other).sum(1) / np.linalg.norm(one, axis=1) / np.linalg.norm(other, axis=1)
-    return scene.membrane.bending_stiffness * float(potentials.bending(cosine).sum())
+    return scene.membrane.bending_stiffness * float(
+        potentials.bending(cosine, scene.membrane.bending_form).sum()
+    )
 
 
 def attachment_energies(scene: Scene, state: Configuration) -> tuple[float, float]:

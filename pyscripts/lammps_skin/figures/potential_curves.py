@@ -48,7 +48,7 @@ def curves(scene: Scene) -> dict[str, Curve]:
     found["wall"] = Curve("x", x, scene.dermis.wall_stiffness * potentials.exclusion(x))
 
     angle = np.linspace(0.0, np.pi, POINTS)
-    bend = membrane.bending_stiffness * potentials.bending(np.cos(angle))
+    bend = membrane.bending_stiffness * potentials.bending(np.cos(angle), membrane.bending_form)
     found["bend"] = Curve("angle", angle, bend)
     found["stretch"] = _stretch(scene)
     stiffness, start, rate, end = terms.division

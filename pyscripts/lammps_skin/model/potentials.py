@@ -119,9 +119,16 @@ def binding_slope(x: ArrayLike) -> Floats:
     return np.maximum(np.asarray(x, float) - 1, 0.0)
 
 
-def bending(cosine: ArrayLike) -> Floats:
-    """Bending of a link from the cosine N1.N2 of its triangles' normals: (1 - N1.N2)^2 / 2."""
-    return (1 - np.asarray(cosine, float)) ** 2 / 2
+def bending(cosine: ArrayLike, form: str = "cosine") -> Floats:
+    """Bending of a link from the cosine c = N1.N2 of its triangles' normals: (1 - c)^2 / 2.
+
+    The form "diverging" is 1/(1 + c) - 1/2 for c < 0: beyond a right angle.
+    """
+    c = np.asarray(cosine, float)
+    if form == "cosine":
+        return (1 - c) ** 2 / 2
+    with np.errstate(divide="ignore"):
+        return np.where(c < 0, 1 / (1 + np.minimum(c, 0.0)) - 0.5, (1 - c) ** 2 / 2)
 
 
 def division_spring(distance: ArrayLike, length: ArrayLike) -> Floats:

@@ -36,10 +36,6 @@ def build(
     put in place when all of them are written, the scene last; without it a directory is not
     taken for a built one.
     """
-    cells, form = scene.cells, scene.membrane.bending_form
-    pairs = any(row.paired_with for row in scene.cell_kinds)
-    if pairs or not cells.removal_in_pair or cells.division_distance or form != "cosine":
-        raise SceneError("cells.removal_in_pair and so on: cannot be run yet")
     if configuration is None:
         configuration = Configuration.from_scene(scene)
     else:
@@ -147,6 +143,7 @@ def _variables(terms: Terms, configuration: Configuration) -> Iterator[str]:
     yield string("stretch", terms.stretch.coefficients)
     yield string("link_limits", *_link_limits(terms.stretch))
     yield index("bending_stiffness", scene.membrane.bending_stiffness)
+    yield index("bending_form", scene.membrane.bending_form)
     if scene.dermis.present:
         yield "\n# dermis"
         yield string("wall", terms.wall)
@@ -175,11 +172,14 @@ def _cell_variables(terms: Terms, configuration: Configuration, string: Any) -> 
     yield string("core", CORE * scene.contact if cells.membrane_exclusion_stiffness else 0)
     yield string("spring", *terms.division)
     yield string("offset", cells.division_separation * cells.radius)
+    yield string("pairs_stay", "no" if cells.removal_in_pair else "yes")
+    yield string("apart", cells.division_distance * 2 * cells.radius)
     yield string("next_id", configuration.next_id)
 
 
 def _kind_arguments(terms: Terms) -> Iterator[str]:
     """Arguments of fix skin/cells, one line for each kind of cell."""
+    present = {row.label for row in terms.scene.cell_kinds}
     for row in terms.scene.cell_kinds:
         words: list[object] = ["kind", row.label, "type", row.label, "number", int(row.kind)]
         words += ["law", row.adhesion]
@@ -194,6 +194,8 @@ def _kind_arguments(terms: Terms) -> Iterator[str]:
             words += ["daughter", row.daughter]
         if row.generations is not None:
             words += ["generations", row.generations, "last", row.after_last]
+        if row.paired_with in present:
+            words += ["paired", row.paired_with, terms.attachment(row.paired_stiffness)]
         yield " ".join(map(str, words))
 
 
