@@ -28,6 +28,7 @@ from lammps_skin.model.terms import TERMS
 from lammps_skin.start import memory
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.configuration import Configuration, check_sizes
+from lammps_skin.start.sheet import membrane_at_start
 from lammps_skin.study import cost
 from lammps_skin.study.simplifications import Simplification, candidates, measured
 
@@ -51,6 +52,7 @@ def check(
     described = scene_from(scene, parameters, settings, accuracy, seed, run, at)
     check_sizes(described, described.box_sides)
     if described.start.run is None:
+        membrane_at_start(described)
         place_cells(described)
     else:
         Configuration.from_scene(described)

@@ -82,6 +82,8 @@ class Membrane(Part):
     radius: Positive = Field(1.0, description="R_m")
     spacing_ratio: Fraction = Field(0.25, description="d2")
     height: Positive | None = Field(None, description="z at the start; 16 R_c if not given")
+    heights: str | None = Field(None, description="file of heights at the start")
+    heights_scale: Annotated[float, Field(ge=-10_000, le=10_000)] = 1.0
     noise: NotNegative = Field(0.0, description="standard deviation of z at the start")
     stretch_stiffness: NotNegative = 0.04
     elasticity: NotNegative = Field(1.25, description="a2")

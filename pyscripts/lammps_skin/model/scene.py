@@ -277,6 +277,11 @@ class Scene(Part):
             value = getattr(start, key)
             if start.run is None and value is not None:
                 yield f"start.{key} = {shown(value)}: needs start.from, the run that it is of"
+        if start.run is not None and self.membrane.heights is not None:
+            yield (
+                f"membrane.heights = {shown(self.membrane.heights)}: cannot be given with "
+                "start.from, a run with a membrane of its own"
+            )
         if self.end_time <= self.begins:
             yield f"end_time = {self.end_time:g}: must be after start.time = {self.begins:g}"
 

@@ -21,6 +21,7 @@ from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.memory import check_memory
 from lammps_skin.start.origin import Origin, frame_of
 from lammps_skin.start.packing import dermal_count, pack_dermis
+from lammps_skin.start.sheet import membrane_at_start, places_above
 
 NEVER = -1.0  # no time of next division: none is due, or the run draws it
 ROUGHNESS_STREAM = 102
@@ -106,23 +107,32 @@ class Configuration:
         return set(np.unique(self.kinds).tolist())
 
     @classmethod
-    def from_scene(cls, scene: Scene) -> Self:
+    def from_scene(cls, scene: Scene, heights: Floats | None = None) -> Self:
         """The state with which a scene begins.
 
         Membrane, relaxed dermis and first cells, or the state of the run in `start.from`.
+
+        Parameters
+        ----------
+        scene : Scene
+        heights : (rows, columns) array, optional
+            Of the membrane, instead of those in the file `membrane.heights`; see
+            `sheet.membrane_at_start`.
         """
         if scene.start.run is not None:
+            if heights is not None:
+                raise SceneError("heights: are those of the run in start.from, and not to be given")
             return cls._continued(scene)
         check_sizes(scene, scene.box_sides)
         check_memory(scene)
-        sheet = lattice.positions(scene.membrane.lattice, scene.spacing, scene.membrane_height)
+        sheet = membrane_at_start(scene, heights)
         roughness = np.random.default_rng([scene.seed, ROUGHNESS_STREAM])
         first = place_cells(scene)
         dermis = pack_dermis(scene, sheet) if scene.dermis.present else np.empty((0, 3))
+        places = np.concatenate([np.empty((0, 2)), *first.values()])
+        cells = places_above(scene, sheet, places)
         sheet[:, 2] += scene.membrane.noise * roughness.standard_normal(len(sheet))
 
-        places = np.concatenate([np.empty((0, 2)), *first.values()])
-        above = np.full((len(places), 1), scene.membrane_height + scene.contact)
         links, hinges = lattice.links_and_hinges(scene.membrane.lattice)
         kinds = np.repeat(
             [Kind.MEMBRANE, Kind.DERMAL, *first],
@@ -134,7 +144,7 @@ class Configuration:
         configuration = cls(
             box=np.array(scene.box_sides),
             kinds=kinds,
-            positions=np.concatenate([sheet, dermis, np.hstack([places, above])]),
+            positions=np.concatenate([sheet, dermis, cells]),
             links=links,
             hinges=hinges,
             divisions_left=left,

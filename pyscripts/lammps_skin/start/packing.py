@@ -1,4 +1,4 @@
-"""Random packing of the dermis between the wall and the flat membrane."""
+"""Random packing of the dermis between the wall and the membrane."""
 
 from __future__ import annotations
 
@@ -11,49 +11,90 @@ import numpy as np
 
 from lammps_skin.arrays import Floats
 from lammps_skin.engine.engine import open_lammps
+from lammps_skin.errors import SceneError
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms
+from lammps_skin.start import lattice
 
 PACKING_STREAM = 103
 # largest force component of a relaxed packing: that of overlaps is gone by then, and what is
 # left is the spheres' attraction, which would contract the packing away from the wall
 FORCE_TOLERANCE = 2e-2
 # volume fraction of the densest packing of hard spheres
+MOST_DRAWS = 1000  # of all spheres, for those that are free
 CLOSEST_PACKING = math.pi / math.sqrt(18)
 
 
-def dermal_count(scene: Scene) -> int:
-    """Number of spheres at the scene's volume fraction between the wall and the membrane."""
+def dermal_count(scene: Scene, membrane: Floats | None = None) -> int:
+    """Number of spheres at the scene's volume fraction between the wall and the membrane.
+
+    The membrane (m, 3) takes a layer of the thickness R_m. Without one, it is flat.
+    """
     lx, ly, _ = scene.box_sides
-    thickness = scene.membrane_height - scene.membrane.radius
+    if membrane is None:
+        volume = lx * ly * (scene.membrane_height - scene.membrane.radius)
+    else:
+        layer = scene.membrane.radius * surface(scene, membrane)
+        volume = lx * ly * membrane[:, 2].mean() - layer
     sphere = 4 / 3 * math.pi * scene.dermis.radius**3
-    return round(scene.dermis.volume_fraction * lx * ly * thickness / sphere)
+    return round(scene.dermis.volume_fraction * volume / sphere)
+
+
+def surface(scene: Scene, membrane: Floats) -> float:
+    """Area of the membrane (m, 3)."""
+    one, two, three = membrane[lattice.triangles(scene.membrane.lattice).T]
+    sides = np.array(scene.box_sides)
+    edges = [side - np.round(side / sides) * sides for side in (two - one, three - one)]
+    return float(np.linalg.norm(np.cross(*edges), axis=1).sum() / 2)
 
 
 def pack_dermis(scene: Scene, membrane: Floats) -> Floats:
-    """Relaxed centres (n, 3) of the dermal spheres under a flat membrane (m, 3) that is held.
+    """Relaxed centres (n, 3) of the dermal spheres under a membrane (m, 3) that is held.
 
     Uniform random centres are pushed apart by a soft potential and then relaxed in the true
     forces, by LAMMPS' minimiser, until the largest force component is below `FORCE_TOLERANCE`.
-    The result depends on the scene's dermis seed alone.
+    The result depends on the membrane and the scene's dermis seed alone.
     """
-    random = np.random.default_rng([scene.dermis_seed, PACKING_STREAM])
-    count, radius = dermal_count(scene), scene.dermis.radius
-    low, high = radius, scene.membrane_height - scene.membrane.radius - radius
+    is_flat = not np.ptp(membrane[:, 2])
+    count = dermal_count(scene, None if is_flat else membrane)
     lx, ly, _ = scene.box_sides
-    start = random.random((count, 3)) * [lx, ly, high - low] + [0, 0, low]
-
     with tempfile.TemporaryDirectory() as folder:
         engine = open_lammps(["-log", "none"])
         try:
-            _set_up(engine, scene, start, membrane)
-            _push_apart(engine, scene)
+            _set_up(engine, scene, _drawn(scene, membrane, count), membrane)
+            _push_apart(engine, scene, is_flat)
             _relax(engine, scene, Path(folder))
             positions = np.array(engine.gather_atoms("x", 1, 3)).reshape(-1, 3)[:count]
         finally:
             engine.close()
     positions[:, :2] %= [lx, ly]
     return np.asarray(positions)
+
+
+def _drawn(scene: Scene, membrane: Floats, count: int) -> Floats:
+    """Uniform random centres (n, 3) of spheres that touch neither the wall nor the membrane."""
+    from scipy.spatial import cKDTree
+
+    random = np.random.default_rng([scene.dermis_seed, PACKING_STREAM])
+    sides = np.array(scene.box_sides)
+    contact = scene.dermis.radius + scene.membrane.radius
+    low = scene.dermis.radius
+    high = membrane[:, 2].max() - scene.membrane.radius - scene.dermis.radius
+    sheet = membrane % [*sides[:2], np.inf]
+    seen_from_above = cKDTree(sheet[:, :2], boxsize=sides[:2])
+    everywhere = cKDTree(sheet, boxsize=sides * [1, 1, 4])
+    found = np.empty((0, 3))
+    for _ in range(MOST_DRAWS):
+        if len(found) >= count:
+            return found[:count]
+        drawn = random.random((count, 3)) * [*sides[:2], high - low] + [0, 0, low]
+        below = drawn[:, 2] < sheet[seen_from_above.query(drawn[:, :2])[1], 2]
+        free = everywhere.query(drawn)[0] >= contact
+        found = np.concatenate([found, drawn[below & free]])
+    raise SceneError(
+        f"membrane.height = {scene.membrane_height:g}: leaves too little room below the heights "
+        f"for {count:,} spheres of dermis.radius = {scene.dermis.radius:g}"
+    )
 
 
 def _set_up(engine: Any, scene: Scene, dermis: Floats, membrane: Floats) -> None:
@@ -80,24 +121,32 @@ def _set_up(engine: Any, scene: Scene, dermis: Floats, membrane: Floats) -> None
     """)
 
 
-def _push_apart(engine: Any, scene: Scene) -> None:
+def _push_apart(engine: Any, scene: Scene, is_flat: bool) -> None:
     """Soft repulsion of overlapping spheres between two harmonic walls.
+
+    Under a membrane that is not flat, its particles push instead of the upper wall.
 
     Where overlaps must remain, it is a harmonic one: `soft` has no force between spheres at the
     same place, and would collect them there.
     """
     dermis = scene.dermis
     reach = f"{2 * dermis.radius:.17g}"
+    contact = f"{dermis.radius + scene.membrane.radius:.17g}"
     if dermis.volume_fraction > CLOSEST_PACKING:
-        style, apart, none = "harmonic/cut", f"0.1 {reach}", f"0.0 {reach}"
+        style, stiffness, none = "harmonic/cut", 0.1, f"0.0 {reach}"
     else:
-        style, apart, none = f"soft {reach}", "1.0", "0.0"
-    top = scene.membrane_height - scene.membrane.radius
-    walls = f"zlo 0 1 1 {dermis.radius:.17g} zhi {top:.17g} 1 1 {dermis.radius:.17g}"
+        style, stiffness, none = f"soft {reach}", 1.0, "0.0"
+    walls = f"zlo 0 1 1 {dermis.radius:.17g}"
+    above = f"{stiffness} {contact}"
+    if is_flat:
+        top = scene.membrane_height - scene.membrane.radius
+        walls += f" zhi {top:.17g} 1 1 {dermis.radius:.17g}"
+        above = none
     engine.commands_string(f"""
         pair_style {style}
-        pair_coeff 1 1 {apart}
-        pair_coeff * 2 {none}
+        pair_coeff 1 1 {stiffness} {reach}
+        pair_coeff 1 2 {above}
+        pair_coeff 2 2 {none}
         fix walls dermis wall/harmonic {walls}
         min_style cg
         min_modify norm max
