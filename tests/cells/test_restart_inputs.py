@@ -149,7 +149,9 @@ def test_timestep_and_end_time_are_overridden(start: float, tmp_path: Path) -> N
 # ---- restart
 
 
-@pytest.mark.parametrize(("first", "second"), [(1, 1), (1, 2), (2, 1)])
+@pytest.mark.parametrize(
+    ("first", "second"), [(1, 1), (1, 2), pytest.param(2, 1, marks=pytest.mark.slow)]
+)
 def test_restart_goes_on(
     first: int, second: int, scene: Scene, whole: Path, tmp_path: Path
 ) -> None:

@@ -76,7 +76,7 @@ def this_lammps() -> str:
     return version if "Update" in version else f"{version} - Update 0"
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_another_update_is_refused_in_one_line(probe: Path, ranks: int) -> None:
     version = this_lammps().split(" - ")[0]
     assert load(probe, f"{version} - Update 77", ranks) == [

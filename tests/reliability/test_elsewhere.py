@@ -80,8 +80,10 @@ def test_neither_locks_nor_hard_links(number: int, here: Path) -> None:
 @pytest.mark.parametrize(
     "environment",
     [
-        {"SLURM_JOBID": "1", "SLURM_NNODES": "1", "SLURM_NODELIST": os.uname().nodename,
-         "SLURM_TASKS_PER_NODE": "2"},
+        pytest.param(
+            {"SLURM_JOBID": "1", "SLURM_NNODES": "1", "SLURM_NODELIST": os.uname().nodename,
+             "SLURM_TASKS_PER_NODE": "2"}, marks=pytest.mark.slow,
+        ),
         {"SLURM_JOB_ID": "1", "SLURM_NNODES": "4", "SLURM_NODELIST": "node[1-4]",
          "SLURM_TASKS_PER_NODE": "2(x4)", "PBS_NODEFILE": "/nowhere", "PMI_SIZE": "1",
          "PMI_RANK": "0", "PMI_FD": "77", "HYDRA_LAUNCHER": "ssh", "HYDRA_HOST_FILE": "/nowhere"},
@@ -280,7 +282,7 @@ def test_no_control_groups(tmp_path: Path) -> None:
 # ---- settings of the user
 
 
-@pytest.mark.parametrize("language", ["de_DE", "fr_FR"])
+@pytest.mark.parametrize("language", ["de_DE", pytest.param("fr_FR", marks=pytest.mark.slow)])
 def test_numbers_and_months_are_english_whatever_the_locale(language: str, here: Path) -> None:
     """Where the user's program has set another one: 0.25 would be 0, and Jul no month."""
     if not shutil.which("localedef"):

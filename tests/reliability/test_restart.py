@@ -66,7 +66,7 @@ def test_restart_on_one_rank_is_the_same_to_the_last_bit(
 @pytest.mark.parametrize(
     ("arguments", "ranks"),
     [
-        ((), 2),
+        pytest.param((), 2, marks=pytest.mark.slow),
         (("-sf", "omp", "-pk", "omp", "2"), 1),
         pytest.param((), 4, marks=pytest.mark.slow),
     ],
@@ -119,7 +119,9 @@ def test_data_file(half: Path, whole: Path, scene: Scene, tmp_path: Path) -> Non
     assert_same_state(tmp_path, whole, ROUNDING)
 
 
-@pytest.mark.parametrize("interval", [0, 0.6, 5.0])
+@pytest.mark.parametrize(
+    "interval", [0.6, *(pytest.param(n, marks=pytest.mark.slow) for n in (0, 5.0))]
+)
 def test_how_often_checkpoints_are_written_changes_nothing(
     interval: float, whole: Path, scene: Scene, tmp_path: Path
 ) -> None:

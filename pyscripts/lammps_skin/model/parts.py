@@ -144,6 +144,9 @@ class Cells(Part):
     )
     kinds: dict[str, KindKeys] = Field({}, description="kinds of cells")
 
+    def __hash__(self) -> int:
+        return hash(self.model_dump_json())  # the table of kinds has no hash of its own
+
 
 class Numerics(Part):
     """How it is computed. The level of accuracy gives the keys that are not given themselves."""
