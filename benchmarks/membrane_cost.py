@@ -26,7 +26,7 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms, stretch_table
 from lammps_skin.start import lattice
 from lammps_skin.start.configuration import Configuration
-from whole_run import frames_of
+from lammps_skin.trajectory.frames import open_frames
 
 NOISE = 0.02  # of the heights of the flat membrane
 CUTOFF = 4.2  # of the pairs of a whole scene: ghost particles and sorting go by it
@@ -39,7 +39,7 @@ def flat(scene: Scene) -> Configuration:
 
 def folded(scene: Scene, run: Path) -> Configuration:
     """The membrane of the last frame of a run."""
-    frames = frames_of(run)
+    frames = open_frames(run)
     frame = frames[len(frames) - 1]
     membrane = frame.kinds == Kind.MEMBRANE
     links, hinges = lattice.links_and_hinges(scene.membrane.lattice)

@@ -25,8 +25,9 @@ import numpy as np
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
+from lammps_skin.trajectory.frames import open_frames
 from step_cost import stock
-from whole_run import QUIET, configuration_of, frames_of
+from whole_run import QUIET, configuration_of
 
 FORMS = ("analytic", "skin")
 FAR = 0.3  # more than half of a neighbor skin
@@ -60,7 +61,7 @@ def main() -> None:
     options = parser.parse_args()
 
     scene = Scene.load(options.run / "scene.toml").replace(**QUIET, **STILL)
-    frames = frames_of(options.run)
+    frames = open_frames(options.run)
     times = np.array([frames[n].time for n in range(len(frames))])
     state = configuration_of(frames[int(np.abs(times - options.age).argmin())], scene)
     low = np.where(state.kinds == Kind.DERMAL, state.positions[:, 2], np.inf)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from lammps_skin.kinds import Kind
-from whole_run import frames_of
+from lammps_skin.trajectory.frames import open_frames
 
 
 def main() -> None:
@@ -23,7 +23,7 @@ def main() -> None:
     options = parser.parse_args()
 
     print("| t | membrane | dermis |\n| --- | --- | --- |")
-    frames = iter(frames_of(options.run))
+    frames = iter(open_frames(options.run))
     former = next(frames)
     for frame in frames:
         # neither membrane nor dermis particles are born or removed: ids and order stay

@@ -41,7 +41,8 @@ from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import lattice
 from lammps_skin.start.build import build
 from lammps_skin.start.configuration import PER_PARTICLE, Configuration
-from whole_run import configuration_of, frames_of
+from lammps_skin.trajectory.frames import open_frames
+from whole_run import configuration_of
 
 DATA = Path(__file__).resolve().parent.parent / "docs" / "data"
 TILES = (1, 2, 4, 8)  # copies along x and along y
@@ -54,7 +55,7 @@ BIN = Path(sys.executable).parent
 def tile_of(run: Path) -> tuple[Scene, Configuration]:
     """The last frame of a run."""
     scene = Scene.load(run / "scene.toml").replace(**LEVEL, **QUIET)
-    frames = frames_of(run)
+    frames = open_frames(run)
     return scene, configuration_of(frames[len(frames) - 1], scene)
 
 

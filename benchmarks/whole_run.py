@@ -27,19 +27,13 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import lattice
 from lammps_skin.start.configuration import Configuration
-from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.frame import Frame
-from lammps_skin.trajectory.store import Store, trajectory_of
+from lammps_skin.trajectory.frames import open_frames
 from step_cost import uncored
 
 AGES = (0, 100, 200, 300, 400, 500, 600, 800, 1000)
 SPANS = {"reference": 1.0, "euler": 1.0, "balanced": 4.0, "fast": 4.0}  # time units of a turn
 QUIET = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
-
-
-def frames_of(run: Path) -> Store | Dump:
-    path = trajectory_of(run)
-    return Store(path) if path.suffix == ".h5" else Dump(path)
 
 
 def configuration_of(frame: Frame, scene: Scene) -> Configuration:
@@ -110,7 +104,7 @@ def main() -> None:
     options = parser.parse_args()
 
     scene = Scene.load(options.run / "scene.toml")
-    frames = frames_of(options.run)
+    frames = open_frames(options.run)
     times = np.array([frames[n].time for n in range(len(frames))])
     ages, table = [], []
     print("| t | particles | cells | " + " | ".join(f"{name}, s" for name in SPANS) + " |")

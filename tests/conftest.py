@@ -1,7 +1,12 @@
-"""What all tests need of the process that they run in."""
+"""What all tests need of the process that they run in, and the command as its user meets it."""
 
 import os
 import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
 
 # a shell starts what it runs in the background with interrupts ignored, and so would our processes
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
@@ -9,3 +14,29 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
 
 # ranks that wait sleep instead of spinning: tests on two ranks share the cores with other tests
 os.environ.setdefault("MPIR_CVAR_CH4_PROGRESS_THROTTLE", "1")
+
+
+class Answer(NamedTuple):
+    """What a command has left."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def skin(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., Answer]:
+    """Call ``skin`` with arguments, in an empty directory."""
+    from lammps_skin.cli import main
+
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments: object) -> Answer:
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as end:
+            main([str(argument) for argument in arguments])
+        return Answer(end.value.code, *capsys.readouterr())
+
+    return call

@@ -3,37 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
-from lammps_skin.cli import main
 from lammps_skin.start import lattice
 
-
-class Answer(NamedTuple):
-    """What a command has left."""
-
-    code: int
-    out: str
-    err: str
-
-
-@pytest.fixture
-def skin(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Callable[..., Answer]:
-    """Call ``skin`` with arguments, in an empty directory."""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*arguments: object) -> Answer:
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as end:
-            main([str(argument) for argument in arguments])
-        return Answer(end.value.code, *capsys.readouterr())
-
-    return call
+from tests.conftest import Answer
 
 
 @pytest.fixture

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from lammps_skin.errors import SkinError
 from lammps_skin.figures import export
 from lammps_skin.figures.snapshot import save
-from lammps_skin.files import completed
-from lammps_skin.trajectory.frame import Frame
+from lammps_skin.files import atomic_write
+from lammps_skin.model.scene import Scene
 from matplotlib.figure import Figure
 
 
 def test_a_file_is_replaced_when_the_new_one_is_complete(tmp_path: Path) -> None:
     path = tmp_path / "file.txt"
     path.write_text("old")
-    with completed(path) as place:
+    with atomic_write(path) as place:
         place.write_text("new")
         assert path.read_text() == "old"
         assert place.suffix == path.suffix
@@ -29,7 +29,7 @@ def test_a_file_is_replaced_when_the_new_one_is_complete(tmp_path: Path) -> None
 def test_a_failure_leaves_the_earlier_file(tmp_path: Path) -> None:
     path = tmp_path / "file.txt"
     path.write_text("old")
-    with pytest.raises(OSError, match="full"), completed(path) as place:
+    with pytest.raises(OSError, match="full"), atomic_write(path) as place:
         place.write_text("half")
         raise OSError("full")
     assert path.read_text() == "old"
@@ -38,7 +38,7 @@ def test_a_failure_leaves_the_earlier_file(tmp_path: Path) -> None:
 
 def test_a_link_stays_a_link(tmp_path: Path) -> None:
     (tmp_path / "link.txt").symlink_to("file.txt")
-    with completed(tmp_path / "link.txt") as place:
+    with atomic_write(tmp_path / "link.txt") as place:
         place.write_text("new")
     assert (tmp_path / "link.txt").is_symlink()
     assert (tmp_path / "file.txt").read_text() == "new"
@@ -46,7 +46,7 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
 
 def test_a_pipe_is_written_directly(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
-    with completed(tmp_path / "pipe") as place:
+    with atomic_write(tmp_path / "pipe") as place:
         assert place == tmp_path / "pipe"
 
 
@@ -72,9 +72,8 @@ def test_a_dump_that_fails_leaves_nothing(tmp_path: Path, monkeypatch: pytest.Mo
         path.write_text("half")
         raise OSError(28, "No space left on device")
 
-    frames: list[Frame] = []
-    found = export.Recorded(frames, export.Scene.from_dict({}), np.zeros((0, 3), int))  # type: ignore[arg-type]
-    monkeypatch.setattr(export, "recorded", lambda _: found)
+    frames = SimpleNamespace(scene=Scene.from_dict({}))
+    monkeypatch.setattr(export, "open_frames", lambda _: frames)
     monkeypatch.setattr(export, "write_dump", write_dump)
     with pytest.raises(SkinError, match=r"out\.dump: No space left on device$"):
         export.export_dump("run", tmp_path / "out.dump")

@@ -56,7 +56,7 @@ def test_a_time_without_a_frame_is_refused(run, time):
 
 
 def test_what_is_no_run_is_refused(tmp_path):
-    with pytest.raises(FigureError, match=r"nowhere: there is no such"):
+    with pytest.raises(SkinError, match=r"nowhere: No such file or directory"):
         read_moments(tmp_path / "nowhere", [None])
     with pytest.raises(SkinError, match=r"holds no trajectory"):
         read_moments(tmp_path, [None])

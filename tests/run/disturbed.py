@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from lammps_skin import files
 from lammps_skin.errors import SkinError
 from lammps_skin.model.scene import Scene
 from lammps_skin.run import checkpoints, simulation
@@ -164,8 +165,9 @@ def kill_at(tick: int) -> None:
             os.kill(os.getpid(), signal.SIGKILL)
 
     for place, name in (
-        (checkpoints, "_sync"), (Path, "replace"), (Path, "unlink"), (Path, "write_text"),
-        (TrajectoryWriter, "_append"), (TrajectoryWriter, "write"), (simulation.Engine, "run_to"),
+        (checkpoints, "sync"), (files, "sync"), (Path, "replace"), (Path, "unlink"),
+        (Path, "write_text"), (TrajectoryWriter, "_append"), (TrajectoryWriter, "write"),
+        (simulation.Engine, "run_to"),
     ):  # fmt: skip
         setattr(place, name, around(getattr(place, name)))
 

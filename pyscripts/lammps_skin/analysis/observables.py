@@ -21,7 +21,7 @@ from lammps_skin.analysis.coverage import count_by_kind
 from lammps_skin.analysis.lineage import Events, read_events
 from lammps_skin.analysis.state import State, StateAnalysis, scene_and_triangles
 from lammps_skin.errors import MembraneError, SkinError
-from lammps_skin.files import completed
+from lammps_skin.files import atomic_write
 from lammps_skin.kinds import KINDS, Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.universe import open_trajectory
@@ -194,7 +194,7 @@ def write_table(table: Table, path: Path, comments: Iterable[str] = ()) -> None:
         content = gzip.compress(content, mtime=0)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with completed(path) as part:
+        with atomic_write(path) as part:
             part.write_bytes(content)
     except OSError as error:
         raise SkinError(f"table {path}: {error.strerror}") from None

@@ -9,7 +9,7 @@ import typer
 
 from lammps_skin.cli.options import Parameters, Settings, changes_from
 from lammps_skin.errors import ConfigurationError
-from lammps_skin.files import completed
+from lammps_skin.files import atomic_write
 from lammps_skin.model.parameters import DEFAULT
 from lammps_skin.run import evaluate as single_point
 
@@ -36,7 +36,7 @@ def evaluate(
         print(text, end="")
         return
     try:
-        with completed(output) as place:
+        with atomic_write(output) as place:
             place.write_text(text, encoding="utf-8")
     except OSError as error:
         raise ConfigurationError(f"output {output}: {error.strerror}") from None

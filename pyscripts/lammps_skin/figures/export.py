@@ -12,34 +12,15 @@ from lammps_skin.analysis.geometry import minimum_image
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import SkinError
 from lammps_skin.figures.polydata import write_polydata, write_series
-from lammps_skin.files import completed
+from lammps_skin.files import atomic_write
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
-from lammps_skin.trajectory.dump import Dump, write_dump
+from lammps_skin.trajectory.dump import write_dump
 from lammps_skin.trajectory.frame import Frame
-from lammps_skin.trajectory.store import DUMP, Store, trajectory_of
+from lammps_skin.trajectory.frames import open_frames
 from lammps_skin.trajectory.writer import reason
 
 CELL_DATA = ("divisions_left", "partner", "parent", "pair", "birth_time", "next_division")
-
-
-class Recorded(NamedTuple):
-    """A run as it was recorded: its frames and what does not change with them."""
-
-    frames: Dump | Store
-    scene: Scene
-    triangles: Ints
-
-
-def recorded(run: str | Path) -> Recorded:
-    """The trajectory of a run directory, or a skin.h5."""
-    path = Path(run)
-    if path.is_dir():
-        path = trajectory_of(path)
-    frames = (Dump if path.suffix == Path(DUMP).suffix else Store)(path)
-    if not len(frames):
-        raise SkinError(f"trajectory {path}: holds no complete frame")
-    return Recorded(frames, frames.scene, frames.triangles)
 
 
 # ---- ParaView
@@ -64,12 +45,15 @@ def export_vtk(run: str | Path, output: Path) -> list[Path]:
     list of Path
         The time series.
     """
-    frames, scene, triangles = recorded(run)
+    frames = open_frames(run)
     series: dict[str, list[tuple[float, str]]] = {"membrane": [], "cells": []}
     try:
         output.mkdir(parents=True, exist_ok=True)
         for frame in frames:
-            surfaces = {"membrane": _membrane(frame, triangles), "cells": _cells(frame, scene)}
+            surfaces = {
+                "membrane": _membrane(frame, frames.triangles),
+                "cells": _cells(frame, frames.scene),
+            }
             for name, surface in surfaces.items():
                 file = f"{name}.{frame.step:010d}.vtp"
                 write_polydata(output / file, *surface)
@@ -128,12 +112,12 @@ def export_dump(run: str | Path, output: Path) -> Path:
     output : Path
         The file.
     """
-    frames, scene, _ = recorded(run)
+    frames = open_frames(run)
     if output.exists():
         raise SkinError(f"output {output}: is there already")
     try:
-        with completed(output) as place:
-            write_dump(place, frames, scene.kinds)
+        with atomic_write(output) as place:
+            write_dump(place, frames, frames.scene.kinds)
     except OSError as error:
         raise SkinError(f"output {output}: {reason(error)}") from None
     return output

@@ -14,9 +14,7 @@ from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import FigureError
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
-from lammps_skin.trajectory.connectivity import connectivity
-from lammps_skin.trajectory.dump import Dump
-from lammps_skin.trajectory.store import STORE, Store, trajectory_of
+from lammps_skin.trajectory.frames import nearest_frame, open_frames
 
 Source: TypeAlias = str | Path | MDAnalysis.Universe
 
@@ -68,40 +66,31 @@ def read_moments(source: Source, times: Sequence[float | None]) -> list[Moment]:
 
     Raises
     ------
+    SkinError
+        If there is no trajectory.
     FigureError
-        If there is no trajectory, or no frame within half an interval between two of them.
+        If there is no frame within half an interval between two of them.
     """
     if isinstance(source, MDAnalysis.Universe):
-        path = Path(source.trajectory.filename)
-        times = [source.trajectory.ts.time if time is None else time for time in times]
-    else:
-        path = trajectory_of(source) if Path(source).is_dir() else Path(source)
-    scene, frames, written = _open(path)
-    corners = frames.triangles if isinstance(frames, Store) else connectivity(path.parent)[1]
+        now = source.trajectory.ts.time
+        times = [now if time is None else time for time in times]
+        source = source.trajectory.filename
+    frames = open_frames(source)
+    scene = frames.scene
     moments = []
     for time in times:
-        nearest = len(written) - 1 if time is None else int(np.abs(written - time).argmin())
-        frame = frames[nearest]
+        frame = frames[nearest_frame(frames, time)]
         off = 0.0 if time is None else abs(frame.time - time)
         if not off <= scene.output.dump_interval / 2 + 1e-6:
-            raise FigureError(f"time = {time:g}: the nearest frame of {path} is at {frame.time:g}")
+            raise FigureError(
+                f"time = {time:g}: the nearest frame of {frames.path} is at {frame.time:g}"
+            )
         members = frame.ids[frame.kinds == Kind.MEMBRANE]
-        triangles = np.searchsorted(members, corners)
+        triangles = np.searchsorted(members, frames.triangles)
         moments.append(Moment(scene, frame.time, frame.kinds, frame.positions, triangles))
     return moments
 
 
 def last_time(path: Path) -> float:
     """Time of the last frame of a run directory."""
-    _, _, written = _open(trajectory_of(path))
-    return float(written[-1])
-
-
-def _open(path: Path) -> tuple[Scene, Dump | Store, Floats]:
-    """Scene, frames and their times (f,)."""
-    if not path.is_file():
-        raise FigureError(f"run {path}: there is no such directory or file")
-    frames = (Store if path.suffix == Path(STORE).suffix else Dump)(path)
-    if not len(frames):
-        raise FigureError(f"trajectory {path}: holds no complete frame")
-    return frames.scene, frames, np.asarray(frames.times)
+    return float(open_frames(path).times[-1])

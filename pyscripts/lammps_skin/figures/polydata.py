@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_skin.arrays import Floats, Ints
-from lammps_skin.files import completed
+from lammps_skin.files import atomic_write
 
 TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8")}  # by kind of numpy: in VTK, in the file
 
@@ -62,5 +62,5 @@ def _add_array(parent: xml.Element, name: str, values: Floats | Ints, columns: i
 
 def _write(root: xml.Element, path: Path) -> None:
     xml.indent(root)
-    with completed(path) as place:
+    with atomic_write(path) as place:
         xml.ElementTree(root).write(place, encoding="utf-8", xml_declaration=True)

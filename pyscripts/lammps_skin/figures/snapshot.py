@@ -14,7 +14,7 @@ from lammps_skin.errors import FigureError
 from lammps_skin.figures.moments import Moment, Source, read_moments
 from lammps_skin.figures.plane import draw_heights, draw_section, highest_stem
 from lammps_skin.figures.scenery import view
-from lammps_skin.files import completed
+from lammps_skin.files import atomic_write
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import near
@@ -144,7 +144,7 @@ def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure."""
     path = check_output(path)
     try:
-        with completed(path) as place:
+        with atomic_write(path) as place:
             figure.savefig(place, dpi=DOTS_PER_INCH, facecolor="white")
     except OSError as error:
         raise FigureError(f"output {path}: {error.strerror}") from None

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.errors import SimulationError, SkinError
-from lammps_skin.files import set_aside
+from lammps_skin.files import atomic_write, put_in_place, remove_leftovers, set_aside, sync
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.results import EVENTS, LOG, MANIFEST, holds_results, restart_files
 from lammps_skin.start.build import SCRIPTS
@@ -81,6 +81,7 @@ class Checkpoints:
         try:
             for part in self._directory.glob(PART):
                 part.unlink()
+            remove_leftovers(self._directory / MANIFEST)
             for path in self.passed_over:
                 set_aside(path)
             for path in restart_files(self._directory):
@@ -140,15 +141,14 @@ class Checkpoints:
         """Bring all that belongs to a checkpoint to disk, give it its name, remove the oldest."""
         path = self._path(step)
         try:
-            _sync(part)
             if (self._directory / STORE).exists():
-                _sync(self._directory / STORE)
+                sync(self._directory / STORE)
             files = {path.name: _length_and_hash(part)}
             if (self._directory / EVENTS).exists():
                 files[EVENTS] = _length_and_hash(self._directory / EVENTS)
             entry = {"step": step, "time": reached, "files": files}
             self._kept = [*self._kept[1 - KEPT :], entry]
-            part.replace(path)
+            put_in_place(part, path, on_disk=True)
             self._write_manifest()
             kept = {self._path(entry["step"]) for entry in self._kept}
             for old in set(self._directory.glob("skin.step*.restart")) - kept:
@@ -168,11 +168,8 @@ class Checkpoints:
             "checkpoints": self._kept,
         }
         content["hash"] = content_hash(content)
-        part = path.with_name(f"{MANIFEST}.part")
-        part.write_text(json.dumps(content, indent=1, default=str) + "\n", "utf-8")
-        _sync(part)
-        part.replace(path)
-        _sync(self._directory)
+        with atomic_write(path, on_disk=True) as part:
+            part.write_text(json.dumps(content, indent=1, default=str) + "\n", "utf-8")
 
     def _failure(self, path: Path, error: OSError) -> SkinError:
         return SkinError(f"checkpoint {path}: {error.strerror}")
@@ -378,12 +375,3 @@ def _length_and_hash(path: Path, length: int | None = None) -> tuple[int, str]:
 
 def _hash(path: Path) -> str:
     return _length_and_hash(path)[1]
-
-
-def _sync(path: Path) -> None:
-    """Bring a file or a directory to disk."""
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

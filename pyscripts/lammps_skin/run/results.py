@@ -15,7 +15,7 @@ EVENTS, LOG, MANIFEST = "events.csv", "log.lammps", "checkpoints.json"
 RESTARTS = "skin.*.restart"
 TRAJECTORIES = (STORE, DUMP)
 REPLACED = (
-    EVENTS, LOG, MANIFEST, *TRAJECTORIES, f"{STORE}.next", f"{STORE}.former", f"{STORE}.part",
+    EVENTS, LOG, MANIFEST, *TRAJECTORIES, f"{STORE}.next", f"{STORE}.former",
 )  # fmt: skip
 HEADING = f"{','.join(COLUMNS)}\n".encode()  # all that the event log of a run begins with
 ASIDE = ".replaced"  # how the folder begins in which earlier files are while a new run begins

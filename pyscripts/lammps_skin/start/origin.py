@@ -17,7 +17,8 @@ from lammps_skin.model.scene_keys import shown
 from lammps_skin.start import lattice
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.frame import Frame
-from lammps_skin.trajectory.store import DUMP, Store, trajectory_of
+from lammps_skin.trajectory.frames import nearest_frame, open_frames
+from lammps_skin.trajectory.store import Store
 
 SAME_TIME = 1e-9  # differences of times that are rounding, of the time or in time units
 HASHED = 16  # digits of the hash of a state
@@ -142,24 +143,15 @@ def frame_of(run: str | Path, time: float | None) -> tuple[Frame, Ints, Ints, Or
 
 
 def _opened(run: Path) -> Store | Dump:
-    if run.is_dir():
-        path = trajectory_of(run)
-    elif run.is_file():
-        path = run
-    else:
+    if not run.exists():
         raise SceneError(f"start.from = {str(run)!r}: there is no such run directory or trajectory")
-    return Dump(path) if path.suffix == Path(DUMP).suffix else Store(path)
+    return open_frames(run)
 
 
 def _place(trajectory: Store | Dump, run: str | Path, time: float | None) -> int:
     """Number of the frame of a time."""
-    times = np.asarray(trajectory.times, float)
-    if not len(times):
-        raise SceneError(f"start.from = {str(run)!r}: holds no complete frame")
-    if time is None:
-        return len(times) - 1
-    n = int(np.abs(times - time).argmin())
-    if np.isclose(times[n], time, rtol=SAME_TIME, atol=SAME_TIME):
+    n, times = nearest_frame(trajectory, time), np.asarray(trajectory.times, float)
+    if time is None or np.isclose(times[n], time, rtol=SAME_TIME, atol=SAME_TIME):
         return n
     below, above = times[times < time], times[times > time]
     near = [f"{t:.10g}" for t in (*below[-1:], *above[:1])]

@@ -10,7 +10,6 @@ another key gets the name ``NAME-KEY.csv.gz``.
 from __future__ import annotations
 
 import gzip
-import hashlib
 import json
 import os
 import re
@@ -39,6 +38,7 @@ from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.run.results import holds_results
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.study import cost
+from lammps_skin.study.result_keys import result_key, without_seed
 from lammps_skin.trajectory.store import Store
 from lammps_skin.versions import versions
 
@@ -78,15 +78,8 @@ class Member:
 
     @property
     def key(self) -> str:
-        """Hash of what the seeds of a scene have in common, of versions, of what is observed.
-
-        Where the cells have a seed of their own, that of the scene is the same for all of them.
-        """
-        content = self.scene.model_dump(mode="json", exclude={"description"})
-        if content["cells"].pop("seed") is None:
-            del content["seed"]
-        text = json.dumps([observables.VERSION, self.made_by, content], sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()[:12]
+        """Of what the seeds of a scene have in common, of versions, of what is observed."""
+        return result_key(observables.VERSION, without_seed(self.scene), made_by=dict(self.made_by))
 
     @property
     def directory(self) -> Path:

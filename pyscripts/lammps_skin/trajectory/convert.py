@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from lammps_skin.engine.built import load_built
 from lammps_skin.errors import DamagedError, SkinError
-from lammps_skin.files import set_aside
+from lammps_skin.files import atomic_write, remove_leftovers, set_aside
 from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.store import DUMP, STORE, Store, trajectory_of
@@ -47,26 +47,24 @@ def convert(directory: str | Path, output: str | Path | None = None) -> Converte
     output = Path(output or directory / STORE)
     if output.exists() and not output.is_file():
         raise SkinError(f"output {output}: is no file")
-    part = output.with_name(output.name + ".part")
     scene = load_built(directory)
     dump = Dump(directory / DUMP)
     if not len(dump):
         raise SkinError(f"trajectory {dump.path}: holds no complete frame")
     earlier = _earlier(directory, dump, replacing=output == directory / STORE)
+    remove_leftovers(output)
     try:
-        if earlier:
-            shutil.copyfile(directory / STORE, part)
-            writer = TrajectoryWriter.append(part, until=dump.steps[0] - 1)
-        else:
-            writer = TrajectoryWriter(part, scene, *connectivity(directory))
-        with writer:
-            for frame in dump:
-                writer.write(frame)
-        part.replace(output)
+        with atomic_write(output) as part:
+            if earlier:
+                shutil.copyfile(directory / STORE, part)
+                writer = TrajectoryWriter.append(part, until=dump.steps[0] - 1)
+            else:
+                writer = TrajectoryWriter(part, scene, *connectivity(directory))
+            with writer:
+                for frame in dump:
+                    writer.write(frame)
     except OSError as error:
         raise SkinError(f"output {output}: {reason(error)}") from None
-    finally:
-        part.unlink(missing_ok=True)
     return Converted(output, writer.frames, writer.slots)
 
 

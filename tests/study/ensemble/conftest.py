@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
-from lammps_skin.cli import main
 from lammps_skin.model.scene import Scene
+
+from tests.conftest import Answer
 
 TINY = """\
 name = "tiny"
@@ -30,29 +30,11 @@ checkpoint_interval = 0.0
 """
 
 
-class Answer(NamedTuple):
-    """What a command has left."""
-
-    code: int
-    out: str
-    err: str
-
-
 @pytest.fixture
-def skin(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> Callable[..., Answer]:
+def skin(skin: Callable[..., Answer], tmp_path: Path) -> Callable[..., Answer]:
     """Call ``skin`` with arguments, in a directory that holds tiny.toml alone."""
-    monkeypatch.chdir(tmp_path)
     (tmp_path / "tiny.toml").write_text(TINY)
-
-    def call(*arguments: object) -> Answer:
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as end:
-            main([str(argument) for argument in arguments])
-        return Answer(end.value.code, *capsys.readouterr())
-
-    return call
+    return skin
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lammps_skin.errors import SkinError
-from lammps_skin.files import completed
+from lammps_skin.files import atomic_write
 from lammps_skin.study.stability.bisection import Limit
 from lammps_skin.study.stability.methods import Method
 from lammps_skin.study.tradeoff.report import Text, csv_text, markdown_table, number
@@ -105,7 +105,7 @@ def write(rows: Sequence[Row], title: str, notes: Sequence[str], folder: Path) -
     }
     try:
         for path, content in contents.items():
-            with completed(path) as place:
+            with atomic_write(path) as place:
                 place.write_text(content, "utf-8")
     except OSError as error:
         raise SkinError(f"table {path}: {error.strerror}") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import shutil
 from collections.abc import Iterable, Iterator
@@ -16,17 +15,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_skin.errors import SceneError, SimulationError, SkinError
-from lammps_skin.files import completed
+from lammps_skin.files import atomic_write
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.build import build
 from lammps_skin.start.configuration import Configuration
+from lammps_skin.study.result_keys import file_hash, physics, result_key
 from lammps_skin.study.stability.bisection import Limit, Trial, bisect
 from lammps_skin.study.stability.hessian import largest_eigenvalue, mobilities
 from lammps_skin.study.stability.methods import CROWDING, Method, scaled
 from lammps_skin.study.tradeoff.measure import NEVER, restart_of
-from lammps_skin.study.tradeoff.store import Store, digest, physics
+from lammps_skin.study.tradeoff.store import Store
 
 VERSION = 1  # to be raised when what is found means something else
 KICK = 1e-4  # largest displacement of each coordinate at the start: nothing is exactly at rest
@@ -73,9 +73,9 @@ class InitialState:
     def key(self) -> str:
         """Hash of the state."""
         if self.restart:
-            return hashlib.sha256(self.restart.read_bytes()).hexdigest()
+            return file_hash(self.restart)
         positions = [] if self._given is None else self._given.positions.tolist()
-        return digest(physics(self._scene), positions)
+        return result_key(physics(self._scene), positions)
 
 
 class Baseline(NamedTuple):
@@ -165,7 +165,9 @@ class Trials:
             mode="json", include={"pair_form", "table_style", "table_points",
                                   "neighbor_skin"},
         )  # fmt: skip
-        return digest(VERSION, physics(self.scene), numerics, self.state.key, self.interval, *more)
+        return result_key(
+            VERSION, physics(self.scene), numerics, self.state.key, self.interval, *more
+        )
 
     # ---- runs
 
@@ -318,7 +320,7 @@ def points(
 
 
 def _save(path: Path, content: Any) -> None:
-    with completed(path) as part:
+    with atomic_write(path) as part:
         part.write_text(json.dumps(content), "utf-8")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
 import shutil
 import time
@@ -17,12 +16,13 @@ import numpy as np
 from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.engine.engine import Motion
 from lammps_skin.errors import SceneError, SimulationError, SkinError
-from lammps_skin.files import completed
+from lammps_skin.files import atomic_write
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
+from lammps_skin.study.result_keys import file_hash, physics, result_key
 from lammps_skin.study.tradeoff.grid import REFERENCE, Variant, variant
-from lammps_skin.study.tradeoff.store import EndState, Store, Timing, digest, physics
+from lammps_skin.study.tradeoff.store import VERSION, EndState, Store, Timing
 
 FINEST = "finest"  # the variant that stands for the truth
 FINER = 16  # how many times its timestep is shorter than that of the reference
@@ -67,12 +67,14 @@ class Measurements:
         """Restart file from which all runs begin."""
         if self._given is not None:
             return self._given
-        path = self.store.path("state", "start", digest(physics(self.scene)), ".restart")
+        path = self.store.path(
+            "state", "start", result_key(VERSION, physics(self.scene)), ".restart"
+        )
         if not path.exists():
             reference = variant(self.scene, REFERENCE, {"accuracy": REFERENCE})
             with Simulation.begin(_quiet(reference.scene), configuration=self._begun) as simulation:
                 simulation.command(f"write_restart {simulation.directory}/{path.name}")
-                with completed(path) as part:
+                with atomic_write(path) as part:
                     shutil.copyfile(simulation.directory / path.name, part)
         return path
 
@@ -83,11 +85,13 @@ class Measurements:
 
     @cached_property
     def _state_hash(self) -> str:
-        return hashlib.sha256(self.state.read_bytes()).hexdigest()
+        return file_hash(self.state)
 
     def _key(self, one: Variant, *more: object) -> str:
         numerics = one.scene.numerics.model_dump(mode="json", exclude={"accuracy"})
-        return digest(physics(one.scene), numerics, self._state_hash, self.interval, *more)
+        return result_key(
+            VERSION, physics(one.scene), numerics, self._state_hash, self.interval, *more
+        )
 
     @contextmanager
     def _simulation(self, one: Variant, events: bool) -> Iterator[Simulation]:

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from lammps_skin.errors import SkinError
-from lammps_skin.files import completed
+from lammps_skin.files import atomic_write
 from lammps_skin.study.tradeoff.bias import Bias, root_mean_square
 from lammps_skin.study.tradeoff.errors import Distance, Order
 from lammps_skin.study.tradeoff.grid import Variant
@@ -130,7 +130,7 @@ class Report:
             for file, content in contents.items():
                 if content:
                     paths.append(folder / file)
-                    with completed(paths[-1]) as place:
+                    with atomic_write(paths[-1]) as place:
                         place.write_text(content, "utf-8")
         except OSError as error:
             raise SkinError(f"table {paths[-1]}: {error.strerror}") from None

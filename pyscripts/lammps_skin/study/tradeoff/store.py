@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,12 +11,9 @@ import numpy as np
 
 from lammps_skin.engine.engine import Motion
 from lammps_skin.errors import SkinError
-from lammps_skin.files import completed
-from lammps_skin.model.scene import Scene
-from lammps_skin.versions import versions
+from lammps_skin.files import atomic_write
 
 VERSION = 1  # to be raised when what is measured means something else
-NOT_FORCES = {"name", "description", "end_time", "output"}  # keys that no trajectory depends on
 
 
 class EndState(NamedTuple):
@@ -60,17 +56,6 @@ class Timing(NamedTuple):
     problem: str = ""
 
 
-def physics(scene: Scene) -> dict[str, Any]:
-    """All keys that a state depends on: neither numerics nor output."""
-    return scene.model_dump(mode="json", exclude=NOT_FORCES | {"numerics", "parameters"})
-
-
-def digest(*content: object) -> str:
-    """Hash of plain data, and of the versions of LAMMPS, of the package and of the plugin."""
-    text = json.dumps([VERSION, versions(), *content], sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:12]
-
-
 class Store:
     """A folder of results; a file that is there is complete."""
 
@@ -86,7 +71,7 @@ class Store:
         return self.folder / f"{kind}-{name}-{key}{suffix}"
 
     def save_end_state(self, path: Path, reached: EndState) -> None:
-        with completed(path) as part:
+        with atomic_write(path) as part:
             np.savez(
                 part, ids=reached.ids, positions=reached.positions,
                 motion=np.array(reached.motion), problem=np.array(reached.problem),
@@ -98,7 +83,7 @@ class Store:
             return EndState(file["ids"], file["positions"], motion, str(file["problem"]))
 
     def save_timing(self, path: Path, timing: Timing) -> None:
-        with completed(path) as part:
+        with atomic_write(path) as part:
             part.write_text(json.dumps(timing._asdict()))
 
     def load_timing(self, path: Path) -> Timing:
