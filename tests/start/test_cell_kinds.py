@@ -11,8 +11,11 @@ from lammps_skin.errors import SceneError
 from lammps_skin.kinds import KINDS, Kind, is_cell
 from lammps_skin.model.cell_kinds import NAME, RESERVED, ROWS, divisions_left
 from lammps_skin.model.parameters import SETS
+from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import to_toml
+from lammps_skin.model.stiffness import stiffest
+from lammps_skin.model.terms import Terms
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.trajectory.attributes import NOTHING
 from MDAnalysis.analysis.results import Results
@@ -118,6 +121,28 @@ def test_refused(fault: str) -> None:
     line = str(error.value)
     assert "\n" not in line
     assert re.match(f"cells\\.kinds\\..*{text.replace('?', '[?]')}", line), line
+
+
+# ---- what follows from the table
+
+
+def test_the_fastest_cycle_sets_the_steps() -> None:
+    fast = {"cells.kinds.ta.cycle_delay": 0.4, "cells.kinds.ta.cycle_rate": 10.0}
+    own = scene(**fast)
+    assert own.shortest_cycle == pytest.approx(0.5)
+    assert own.numerics.timestep == 0.05 and own.numerics.event_interval == pytest.approx(0.05)
+    assert not list(remarks(own))
+    with pytest.raises(SceneError, match=r"event_interval = 0\.6: .* a cell cycle, 0.5"):
+        own.replace(**{"numerics.event_interval": 0.6})
+
+
+def test_the_stiffest_kind_counts() -> None:
+    plain, own = scene(), scene(**{"cells.kinds.nd.stiffness": 1e6})
+    assert stiffest(own) == stiffest(plain)  # there are no ND cells
+    own = scene(**{"cells.kinds.ta.stiffness": 1e6})
+    assert stiffest(own) == ("adhesion", pytest.approx(2e6 / own.contact**2))
+    wide = scene(**{"cells.kinds.ta.range": 1.9})
+    assert Terms(wide).cutoffs["adhesion"] == pytest.approx(1.9 * wide.contact)
 
 
 # ---- where cells start

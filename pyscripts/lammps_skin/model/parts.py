@@ -139,7 +139,7 @@ class Cells(Part):
     first_phase: NotNegative = Field(48.0, description="first elapsed times are uniform in [0, .)")
     generations: Generations = Field(10, description="M")
     removal_in_pair: bool = Field(True, description="whether cells of a dividing pair may leave")
-    division_distance: NotNegative = Field(
+    division_distance: Annotated[float, Field(ge=0, le=1)] = Field(
         0.0, description="a pair parts when it is further apart, in units of 2 R_c"
     )
     kinds: dict[str, KindKeys] = Field({}, description="kinds of cells")

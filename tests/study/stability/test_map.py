@@ -214,6 +214,14 @@ def test_scaled() -> None:
     assert (adhesive.adhesion_stiffness, adhesive.binding_stiffness) == (50.0, 50.0)
     with pytest.raises(SceneError, match="is the same as x 1"):
         scaled(scene, "crowding", 0.9)
+    own = scene.replace(**{"cells.kinds.own": {"like": "stem", "count": 2, "stiffness": 5.0}})
+    for what, count, stiffness in (
+        ("adhesion", 2, 10.0),
+        ("crowding", 4, 5.0),
+        ("stiffness", 2, 10),
+    ):
+        row = scaled(own, what, 2).cell_table["own"]
+        assert (row.count, row.stiffness) == (count, stiffness)
 
 
 # ---- the command

@@ -15,16 +15,18 @@ INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
 
 # what is scaled, and the keys that this multiplies; `stiffness` is all of them
 STIFFNESS = "stiffness"
+ADHESION = "adhesion"
 CROWDING = "crowding"
 SCALED: dict[str, tuple[str, ...]] = {
     STIFFNESS: (),
     "stretch": ("membrane.stretch_stiffness",),
     "bending": ("membrane.bending_stiffness",),
-    "adhesion": ("cells.adhesion_stiffness", "cells.binding_stiffness"),
+    ADHESION: ("cells.adhesion_stiffness", "cells.binding_stiffness"),
     "spring": ("cells.division_stiffness",),
     "division": ("cells.division_rate",),
     CROWDING: ("cells.stem",),
 }
+OF_KINDS = {ADHESION: ("stiffness", "paired_stiffness"), CROWDING: ("count",)}
 
 
 class Method(NamedTuple):
@@ -75,7 +77,13 @@ def scaled(scene: Scene, what: str, factor: float) -> Scene:
     """
     if factor == 1:
         return scene
-    keys = SCALED[what] or tuple(_stiffnesses(scene.model_dump()))
+    keys = SCALED[what] or tuple(_stiffnesses(scene.model_dump(exclude_none=True)))
+    keys += tuple(
+        f"cells.kinds.{label}.{key}"
+        for label, row in scene.cells.kinds.items()
+        for key in OF_KINDS.get(what, ())
+        if getattr(row, key)
+    )
     values = {key: _value(scene, key) for key in keys}
     changes: dict[str, Any] = {key: factor * value for key, value in values.items()}
     if what == CROWDING:
@@ -97,5 +105,7 @@ def _stiffnesses(content: Mapping[str, Any], prefix: str = "") -> Sequence[str]:
 
 
 def _value(scene: Scene, key: str) -> Any:
-    part, name = key.split(".")
-    return getattr(getattr(scene, part), name)
+    value: Any = scene.model_dump()
+    for part in key.split("."):
+        value = value[part]
+    return value
