@@ -123,6 +123,13 @@ def test_refused(fault: str) -> None:
     assert re.match(f"cells\\.kinds\\..*{text.replace('?', '[?]')}", line), line
 
 
+def test_the_longest_table() -> None:
+    chain = {f"k{n}": {"like": f"k{n + 1}"} for n in range(99)} | {"k99": {"like": "stem"}}
+    assert scene(**{"cells.kinds": chain}).cell_table["k0"].daughter == "ta"
+    with pytest.raises(SceneError, match="has 101 kinds, must have at most 100"):
+        scene(**{"cells.kinds": {**chain, "one": {"like": "stem"}}})
+
+
 # ---- what follows from the table
 
 

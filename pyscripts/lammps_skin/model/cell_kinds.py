@@ -28,6 +28,7 @@ COLOURS = (
 )  # fmt: skip
 
 NAME = re.compile("[a-z][a-z0-9]{0,31}")
+MOST = 100  # kinds of which a scene may tell
 NONE = "none"  # says that there is no such kind
 RESERVED = {
     "dermal", "membrane", "absent", "all", NONE,
@@ -193,6 +194,8 @@ def divisions_left(kind: CellKind, table: Mapping[str, CellKind]) -> int:
 
 def contradictions(cells: Cells) -> Iterator[str]:
     """Faults of the table, each as `key = value: what is allowed`."""
+    if len(cells.kinds) > MOST:
+        yield f"cells.kinds: has {len(cells.kinds)} kinds, must have at most {MOST}"
     yield from _names(cells.kinds)
     labels = (*ROWS, *(label for label in cells.kinds if label not in ROWS))
     for label, row in cells.kinds.items():
