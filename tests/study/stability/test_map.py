@@ -53,7 +53,7 @@ def trials_of(scene: Scene, folder: Path, interval: float, stiffness_limit: floa
 def test_another_command_in_the_folder(bound: Scene, tmp_path: Path) -> None:
     """The same one, that ends while the first still has trials to do."""
     method = Method("euler", 1, 0.0)
-    timestep = method.reach / EIGENVALUE / 2
+    timestep = method.limit / EIGENVALUE / 2
     first, second = (trials_of(bound, tmp_path, 10 * timestep) for _ in range(2))
     assert first.eigenvalues(0.0) == second.eigenvalues(0.0)
     assert first.problem(method, timestep) == second.problem(method, timestep) == ""
@@ -68,7 +68,7 @@ def test_another_command_in_the_folder(bound: Scene, tmp_path: Path) -> None:
 )
 def test_limit_of_one_spring(bound: Scene, tmp_path: Path, method: Method) -> None:
     """What is found is what theory says, and the estimate equals it."""
-    theory = method.reach / EIGENVALUE
+    theory = method.limit / EIGENVALUE
     with_many_steps = trials_of(bound, tmp_path, 60 * theory)
     (eigenvalue, _) = with_many_steps.eigenvalues(0.0)
     assert eigenvalue == pytest.approx(EIGENVALUE, rel=1e-4)
@@ -94,10 +94,10 @@ def test_reach_of_methods() -> None:
             "rkl2": lambda z, p=legendre, w=w, b=b: 1 - b + b * p(1 + w * z),
         }
         for method in methods(s, 0.0):
-            within = polynomials[method.integrator](np.linspace(-method.reach, 0, 1001))
+            within = polynomials[method.integrator](np.linspace(-method.limit, 0, 1001))
             assert np.abs(within).max() <= 1 + 1e-12
             if method.integrator != "rkl2":
-                beyond = polynomials[method.integrator](-1.01 * method.reach)
+                beyond = polynomials[method.integrator](-1.01 * method.limit)
                 assert abs(beyond) > 1
 
 
