@@ -1,14 +1,16 @@
-"""One small run with births and removals, over a few moments."""
+"""One small run with births and removals, over a few moments, and one with papillae."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.configuration import Configuration
 
 INTERVAL, FRAMES = 2.0, 9
 
@@ -41,16 +43,34 @@ def crowding() -> Scene:
     )  # fmt: skip
 
 
-@pytest.fixture(scope="session")
-def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
-    directory = tmp_path_factory.mktemp("crowding")
-    scene = crowding()
+def papillae() -> Configuration:
+    """Two papillae of different heights, and cells on them and beside them."""
+    y, x = np.mgrid[0:46, 0:40] / [[[46]], [[40]]] * 20.0
+    heights = [
+        height * np.exp(-((x - at) ** 2 + (y - at) ** 2) / (2 * 2.2**2))
+        for at, height in ((5.0, 5.0), (15.0, 4.0))
+    ]
+    return Configuration.from_scene(crowding().replace(**{"cells.stem": 6}), sum(heights))
+
+
+def recorded(directory: Path, scene: Scene, start: Configuration | None, frames: int) -> Run:
+    """A run, and what the simulation said at each of its frames."""
     found = Run(directory, scene, [], [], [])
-    with Simulation.begin(scene, directory) as simulation:
-        for n in range(FRAMES):
+    with Simulation.begin(scene, directory, start) as simulation:
+        for n in range(frames):
             if n:
                 simulation.run(until=n * INTERVAL)
             found.particles.append(simulation.forces())
             found.cells.append(simulation.cells())
             found.energies.append(simulation.energies())
     return found
+
+
+@pytest.fixture(scope="session")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    return recorded(tmp_path_factory.mktemp("crowding"), crowding(), None, FRAMES)
+
+
+@pytest.fixture(scope="session")
+def run_with_papillae(tmp_path_factory: pytest.TempPathFactory) -> Run:
+    return recorded(tmp_path_factory.mktemp("papillae"), crowding(), papillae(), 3)

@@ -49,6 +49,10 @@ def events(run):
 
 @pytest.fixture(scope="module")
 def moments(run):
+    return moments_of(run)
+
+
+def moments_of(run):
     """Membrane, its curvature, its height field; kinds, positions, curvature of cells."""
     triangles, box = lattice.triangles(run.scene.membrane.lattice), run.scene.box_sides[:2]
     found = []
@@ -107,7 +111,11 @@ def test_spectrum(universe, moments):
         np.testing.assert_array_equal(found.modes[n], expected.modes)
 
 
-def test_papillae_skewness_and_tips(universe, moments):
+@pytest.mark.parametrize(("which", "number"), [("run", None), ("run_with_papillae", 2)])
+def test_papillae_skewness_and_tips(request, which, number):
+    """Of a membrane that is almost flat, and of one with two papillae in all frames."""
+    run = request.getfixturevalue(which)
+    universe, moments = open_trajectory(run.directory), moments_of(run)
     shapes, skew = PapillaShapes(universe).run().results, HeightSkewness(universe).run().results
     tips = TipOccupancy(universe).run().results
     for n, (membrane, _, height, cells, below, box) in enumerate(moments):
@@ -124,6 +132,11 @@ def test_papillae_skewness_and_tips(universe, moments):
         if not len(expected.height):
             null = TipFraction(*[np.nan] * 5)
         np.testing.assert_allclose([tips[k][n] for k in null._fields], null, rtol=1e-12)
+        if number:
+            assert shapes.number[n] == number and shapes.height[n] > 2
+            assert 0 < null.fraction < 1
+    if number:
+        assert shapes.height[0] > 3.5 and 0 < tips.expected[-1] < 1 and 0 < tips.p_value[-1] <= 1
 
 
 def test_mixing(universe, moments, events):
