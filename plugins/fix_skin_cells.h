@@ -94,6 +94,7 @@ class FixSkinCells : public Fix {
   bool energy_summed;
   int nmax;           // rows of array_atom
   bool rearranged;    // atoms have come, gone or changed places since cells were listed
+  std::string looked_at;    // data file and section that have been found to be there
 
   // settings and checks
 
@@ -118,7 +119,8 @@ class FixSkinCells : public Fix {
 
   // atoms that come, go and change places
 
-  bool state_is_read() const;
+  std::string section_that_is_read() const;
+  void check_section(int, const std::string &);
   void set_row(int, const double *);
   void start_created_cell(int);
   void list_cells();

@@ -6,16 +6,24 @@
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
+#include "error.h"
 #include "input.h"
 #include "memory.h"
 #include "modify.h"
 #include "neighbor.h"
+#include "platform.h"
 #include "update.h"
+#include "utils.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
+#include <string>
+#include <sys/stat.h>
 
 using namespace LAMMPS_NS;
+
+static constexpr int MAXLINE = 1024;
 
 /* ---------------------------------------------------------------------- */
 
@@ -34,28 +42,69 @@ void FixSkinCells::copy_arrays(int i, int j, int /*delflag*/)
 }
 
 /* ----------------------------------------------------------------------
-   whether atoms are now added from a data file whose section says their state
+   title of the section of a data file that says the state of atoms that are now added; empty if
+   none is named
 ------------------------------------------------------------------------- */
 
-bool FixSkinCells::state_is_read() const
+std::string FixSkinCells::section_that_is_read() const
 {
-  if (std::strcmp(input->command, "read_data") != 0) return false;
-  for (int k = 0; k + 1 < input->narg; k++) {
+  if (std::strcmp(input->command, "read_data") != 0) return "";
+  for (int k = 0; k + 3 < input->narg; k++) {
     if (std::strcmp(input->arg[k], "fix") != 0) continue;
     const Fix *const fix = modify->get_fix_by_id(input->arg[k + 1]);
-    if (fix && utils::strmatch(fix->style, "^property/atom")) return true;
+    if (fix && utils::strmatch(fix->style, "^property/atom")) return input->arg[k + 3];
   }
-  return false;
+  return "";
 }
 
 /* ----------------------------------------------------------------------
-   a new atom; fix property/atom leaves it what its place in the arrays had before
+   whether a data file has a section, which LAMMPS does not mind if it has not
+------------------------------------------------------------------------- */
+
+static bool has_section(const std::string &path, const std::string &title)
+{
+  const bool packed = platform::has_compress_extension(path);
+  FILE *const file = packed ? platform::compressed_read(path) : fopen(path.c_str(), "r");
+  if (!file) return true;    // LAMMPS has read it
+  char line[MAXLINE];
+  bool found = false;
+  while (!found && fgets(line, MAXLINE, file))
+    found = utils::trim(utils::trim_comment(line)) == title;
+  if (packed) platform::pclose(file);
+  else fclose(file);
+  return found;
+}
+
+/* ----------------------------------------------------------------------
+   a new atom; fix property/atom leaves it what its place in the arrays had before, unless its state
+   has just been read
 ------------------------------------------------------------------------- */
 
 void FixSkinCells::set_arrays(int i)
 {
   set_row(i, nullptr);
-  if (state.refresh(atom).empty() && !state_is_read()) state.clear(i);
+  if (!state.refresh(atom).empty()) return;
+  const std::string section = section_that_is_read();
+  if (section.empty()) state.clear(i);
+  else if (kinds.of_type(atom->type[i]) != NONE) check_section(i, section);
+}
+
+/* ----------------------------------------------------------------------
+   a cell whose state should have been read; a file is looked at once, unless it has changed
+------------------------------------------------------------------------- */
+
+void FixSkinCells::check_section(int i, const std::string &section)
+{
+  const std::string path = input->arg[0];
+  struct stat now = {};
+  stat(path.c_str(), &now);
+  const std::string looked = fmt::format("{} {} {} {}.{}", path, section, now.st_size,
+                                         now.st_mtim.tv_sec, now.st_mtim.tv_nsec);
+  if (looked == looked_at) return;
+  if (!has_section(path, section))
+    error->one(FLERR, "Fix skin/cells: data file {} has no section {}, from which read_data was to "
+               "take the state of cell {}", path, section, atom->tag[i]);
+  looked_at = looked;
 }
 
 /* ---------------------------------------------------------------------- */

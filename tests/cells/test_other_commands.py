@@ -217,6 +217,21 @@ def test_state_of_added_cells_is_read(ranks: int, tmp_path: Path) -> None:
     assert all((new[name] == 0).all() for name in columns.split()[1:])
 
 
+def test_added_cells_without_the_section_that_is_named(tmp_path: Path) -> None:
+    """Their state would be what atoms that are gone have left behind. A file without cells may."""
+    build(busy(), tmp_path)
+    text = (tmp_path / "skin.data").read_text()
+    bare = text[: text.index("\nstate")]
+    (tmp_path / "bare.data").write_text(bare)
+    sheet = place(busy(), [])
+    sheet.write_data(tmp_path / "sheet.data", busy().kinds)
+    add = "add append shift 0 0 {} fix state NULL state"
+    lines = [f"read_data sheet.data {add.format(10)}", f"read_data bare.data {add.format(20)}"]
+    process = run_script(tmp_path, "run 2 post no", "delete_atoms group cells", *lines)
+    message = error_of(process)
+    assert "data file bare.data has no section state, from which read_data was to" in message
+
+
 # ---- renumbering, repeating, doing it twice
 
 
