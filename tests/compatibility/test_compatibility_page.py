@@ -5,8 +5,13 @@ import shutil
 from collections import Counter
 from pathlib import Path
 
+import pytest
+from lammps_skin.errors import SimulationError
+from lammps_skin.run.simulation import Simulation
+
 from tests.compatibility.conftest import Runner
 from tests.compatibility.page import PAGE, whole
+from tests.compatibility.scenes import configuration_of, scene_of
 from tests.compatibility.tries import table
 
 
@@ -30,3 +35,28 @@ def test_example_runs(scenes: Path, run_in: Runner, tmp_path: Path) -> None:
     (directory / "try.in").write_text(short)
     assert run_in(directory, "") == 0, (directory / "error.txt").read_text()
     assert len((directory / "density.txt").read_text().splitlines()) > 100
+
+
+@pytest.mark.parametrize(
+    "commands",
+    [
+        ("fix change all deform 1 x scale 1.05 remap x",),
+        ("change_box all triclinic", "fix change all deform 1 xy erate 0.05 remap x"),
+        ("fix change all press/berendsen x 1.0 1.0 10.0 y 1.0 1.0 10.0",),
+    ],
+    ids=["deform", "shear", "press"],
+)
+@pytest.mark.parametrize("interval", [0.0, 1.0])
+def test_boxes_of_frames(interval: float, commands: tuple[str, ...]) -> None:
+    """Where the box changes a run that records frames ends with the line of the page."""
+    line = "the box does not begin at the origin, or is tilted"
+    assert line in " ".join(PAGE.read_text("utf-8").split())
+    scene = scene_of("membrane").replace(**{"output.dump_interval": interval})
+    with Simulation.begin(scene, configuration=configuration_of(scene)) as simulation:
+        for command in commands:
+            simulation.command(command)
+        if not interval:
+            simulation.run(until=2.0)
+            return
+        with pytest.raises(SimulationError, match=line):
+            simulation.run(until=2.0)

@@ -98,6 +98,17 @@ def test_a_stem_cell_is_green_where_it_projects(run):
     assert len(found) == pytest.approx(np.pi * (1.4 * camera.scale) ** 2, rel=0.1)
 
 
+@pytest.mark.parametrize("below", [False, True])
+def test_cells_at_the_edges_are_drawn_whole(landscape, below):
+    """Also those that reach beyond the box: the frame of the picture stays white."""
+    wide, deep = landscape(lambda x, y: 0 * x).box[:2]
+    corners = [(Kind.STEM, x, y, 2.4) for x in (0.0, wide) for y in (0.0, deep)]
+    image = view(landscape(lambda x, y: 0 * x, *corners), CELLS, 120, below)
+    for edge in (image[0], image[-1], image[:, 0], image[:, -1]):
+        assert (edge == 1.0).all()
+    assert green(image).any() or below
+
+
 def test_only_what_is_asked_for_is_drawn(landscape):
     moment = landscape(
         lambda x, _: 10 + 0 * x, (Kind.STEM, 8.0, 15.0, 12.4), (Kind.TA, 22.0, 15.0, 12.4)

@@ -66,7 +66,9 @@ def view(moment: Moment, show: Sequence[Kind], width: int, below: bool = False) 
 
 
 def _frame(moment: Moment, spheres: Spheres) -> Floats:
-    """Corners (8, 3) of the box around the membrane and the cells that are drawn."""
-    heights = np.concatenate([moment.membrane[:, 2], spheres.centers[:, 2]])
-    sides = np.array([[0.0, moment.box[0]], [0.0, moment.box[1]], [heights.min(), heights.max()]])
-    return np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 3)
+    """Corners (8, 3) of a box that holds the membrane and, whole, the cells that are drawn."""
+    reach = spheres.radii[:, None]
+    around = np.concatenate([moment.membrane, spheres.centers - reach, spheres.centers + reach])
+    low, high = around.min(axis=0), around.max(axis=0)
+    low[:2], high[:2] = np.minimum(low[:2], 0.0), np.maximum(high[:2], moment.box[:2])
+    return np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
