@@ -28,9 +28,10 @@ using namespace FixConst;
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), seed(0), membrane_type(0), kinds(lmp), contact(0.0), core(0.0),
     spring_stiffness(0.0), spring_start(0.0), spring_rate(0.0), spring_end(0.0),
-    half_separation(0.0), pairs_stay(false), apart(0.0), every(1), inherited_groups(0), next_id(0), births(0), deaths(0), state{},
-    log(lmp), log_position(-1), setup_time(0.0), time_offset(0.0),
-    known_atoms(0), energy{}, energy_all{}, energy_summed(false), nmax(0), rearranged(true)
+    half_separation(0.0), pairs_stay(false), apart(0.0), every(1), inherited_groups(0), next_id(0),
+    births(0), deaths(0), state{}, interventions(lmp), log(lmp), log_position(-1), setup_time(0.0),
+    time_offset(0.0), known_atoms(0), energy{}, energy_all{}, energy_summed(false), nmax(0),
+    rearranged(true)
 {
   parse(narg, arg);
   skip_used_ids();    // also those of atoms that are removed before the first run
@@ -107,6 +108,7 @@ void FixSkinCells::init()
   skip_used_ids();
   for (int i = 0; i < atom->nlocal; i++) check_cell(i);
   check_pairs();
+  interventions.begin(time_of_step(update->ntimestep));
   log.open(log_position);
 }
 
@@ -191,6 +193,8 @@ void FixSkinCells::setup(int /*vflag*/)
 void FixSkinCells::end_of_step()
 {
   log.begin();
+  const double time = time_of_step(update->ntimestep);
+  if (update->ntimestep % every == 0 && interventions.due(time).empty()) interventions.pass(time);
   if ((update->ntimestep + 1) % every == 0) plan_events(update->ntimestep + 1);
 }
 
@@ -239,7 +243,8 @@ void FixSkinCells::restart(char *buf)
 std::vector<double> FixSkinCells::to_restart()
 {
   skip_used_ids();
-  return {RESTART_FORMAT, (double) next_id, (double) births, (double) deaths, (double) log.sync()};
+  return {RESTART_FORMAT, (double) next_id, (double) births, (double) deaths, (double) log.sync(),
+          interventions.passed()};
 }
 
 /* ---------------------------------------------------------------------- */
@@ -250,6 +255,7 @@ void FixSkinCells::from_restart(const double *list)
   births = (bigint) list[2];
   deaths = (bigint) list[3];
   log_position = (bigint) list[4];
+  interventions.resume_after(list[5]);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -300,7 +306,7 @@ void FixSkinCells::leave_record()
   FixSkinCellsRecord *const record = find_record();
   if (!record) return;
   record->values = {RESTART_FORMAT, (double) next_id, (double) births, (double) deaths,
-                    (double) log.position(log_position)};
+                    (double) log.position(log_position), interventions.passed()};
   record->log = log.path();
 }
 

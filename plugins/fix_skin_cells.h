@@ -7,7 +7,9 @@
 #include "skin_cell_kinds.h"
 #include "skin_cell_state.h"
 #include "skin_event_log.h"
+#include "skin_interventions.h"
 #include "skin_nearest.h"
+#include "skin_random.h"
 
 #include <string>
 #include <vector>
@@ -58,8 +60,8 @@ class FixSkinCells : public Fix {
   static constexpr int NONE = 0;    // kind of what is no cell
   enum Term { ADHESION, BINDING, DIVISION, NTERMS };
   static constexpr int NCOLUMNS = 8;    // of the per-atom array
-  static constexpr int NSTORED = 5;     // values in a restart file, of which the first is this:
-  static constexpr double RESTART_FORMAT = -1.0;
+  static constexpr int NSTORED = 6;     // values in a restart file, of which the first is this:
+  static constexpr double RESTART_FORMAT = -2.0;
 
   // settings
 
@@ -81,6 +83,7 @@ class FixSkinCells : public Fix {
   bigint next_id;    // of a newborn; may be one more than an ID can be
   bigint births, deaths;
   SkinCellState state;
+  SkinInterventions interventions;
   SkinEventLog log;
   bigint log_position;    // where the log stood when the restart file was written, or -1
   double setup_time;      // time at the setup of this run or minimisation
@@ -143,7 +146,8 @@ class FixSkinCells : public Fix {
   // events
 
   void schedule_first(int);
-  double wait(const SkinCellKind &, tagint, int) const;
+  double wait(const SkinCellKind &, tagint, uint64_t,
+              SkinRandom::Purpose = SkinRandom::WAIT) const;
   double next_division(int, double, int) const;
   double pair_end_time(int) const;
   double distance_in_pair(int) const;
@@ -154,7 +158,7 @@ class FixSkinCells : public Fix {
   std::vector<SkinCellEvent> due_events(const std::vector<SkinCellEvent> &) const;
   SkinCellEvent death_of(int) const;
   void remove(const SkinCellEvent &);
-  void log_event(const SkinCellEvent &, const char *, tagint, tagint, const char *);
+  void log_event(const SkinCellEvent &, const char *, tagint, tagint, const std::string &);
 
   // dividing pairs
 
@@ -176,6 +180,18 @@ class FixSkinCells : public Fix {
   void give_birth(const std::vector<SkinCellEvent> &);
   void divide_mother(int, const SkinCellEvent &, tagint);
   void start_daughter(int, const SkinCellEvent &);
+
+  // interventions
+
+  void intervene();
+  std::vector<int> concerned(const SkinInterventions::Due &) const;
+  void remove_cells(const SkinInterventions::Due &);
+  void convert_cells(const SkinInterventions::Due &);
+  void add_cells(const SkinInterventions::Due &);
+  void log_change(const SkinInterventions::Due &);
+  void start_added_cell(int, const SkinCellKinds::Stage &);
+  double height_on_membrane(const double *, const std::string &) const;
+  void check_room(const double *, const std::string &) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -34,10 +34,11 @@ void FixSkinCells::schedule_first(int i)
    time from a division of a cell to its next: T0 + Exp(gamma)
 ------------------------------------------------------------------------- */
 
-double FixSkinCells::wait(const SkinCellKind &kind, tagint id, int event) const
+double FixSkinCells::wait(const SkinCellKind &kind, tagint id, uint64_t event,
+                          SkinRandom::Purpose purpose) const
 {
   return kind.cycle_delay -
-      std::log(SkinRandom::uniform(seed, id, event, SkinRandom::WAIT)) / kind.cycle_rate;
+      std::log(SkinRandom::uniform(seed, id, event, purpose)) / kind.cycle_rate;
 }
 
 /* ----------------------------------------------------------------------
@@ -81,7 +82,7 @@ void FixSkinCells::plan_events(bigint step)
   const double time = time_of_step(step);
   refresh_state();
 
-  int due = 0, due_anywhere;
+  int due = !interventions.due(time).empty(), due_anywhere;
   for (size_t k = 0; k < cells.size(); k++) {
     const int i = cells[k];
     const bool ends = state.pair[i] && pair_end_time(i) <= time && (parted[k] || apart == 0.0);
@@ -149,6 +150,7 @@ void FixSkinCells::pre_exchange()
   // fixes that come next must not count those that have left
 
   if (removed) migrate(false);
+  intervene();
 }
 
 /* ----------------------------------------------------------------------
@@ -198,12 +200,12 @@ SkinCellEvent FixSkinCells::death_of(int i) const
 /* ---------------------------------------------------------------------- */
 
 void FixSkinCells::log_event(const SkinCellEvent &event, const char *kind, tagint id,
-                             tagint parent, const char *cause)
+                             tagint parent, const std::string &cause)
 {
   double x[3] = {event.x[0], event.x[1], event.x[2]};
   domain->remap(x);
   log.write(event.time, kind, id, parent, kinds[event.cell.kind].number, x,
-            event.cell.divisions_left, cause);
+            event.cell.divisions_left, cause.c_str());
 }
 
 /* ----------------------------------------------------------------------

@@ -68,6 +68,8 @@ void FixSkinCells::parse(int narg, char **arg)
       if (igroup < 0)
         error->all(FLERR, "Fix skin/cells inherit = {}: there is no such group", name);
       inherited_groups |= group->bitmask[igroup];
+    } else if (keyword == "intervene") {
+      interventions.add(arguments);
     } else if (keyword == "log") {
       log.set_file(arguments.word().c_str());
     } else {
@@ -77,6 +79,7 @@ void FixSkinCells::parse(int narg, char **arg)
 
   if (!required.empty()) error->all(FLERR, "Fix skin/cells needs the keyword {}", required[0]);
   kinds.complete();
+  interventions.complete(kinds);
   if (kinds.of_type(membrane_type))
     error->all(FLERR, "Fix skin/cells: atom type {} is both membrane and kind {}", membrane_type,
                kinds[kinds.of_type(membrane_type)].name);

@@ -37,10 +37,10 @@ double SkinArguments::number(Allowed allowed, const std::string &part)
 {
   const std::string text = word();
   const double value = utils::numeric(FLERR, text, false, lmp);
-  const bool right = allowed == POSITIVE ? value > 0.0 : value >= 0.0;
+  const bool right = allowed == POSITIVE ? value > 0.0 : allowed == FINITE || value >= 0.0;
   if (!std::isfinite(value) || !right)
     error->all(FLERR, "{} = {}: must be a number {}", named(part), text,
-               allowed == POSITIVE ? "> 0" : ">= 0");
+               allowed == POSITIVE ? "> 0" : allowed == FINITE ? "that is finite" : ">= 0");
   return value;
 }
 

@@ -11,7 +11,7 @@ namespace LAMMPS_NS {
 
 class SkinArguments : protected Pointers {
  public:
-  enum Allowed { NOT_NEGATIVE, POSITIVE };
+  enum Allowed { FINITE, NOT_NEGATIVE, POSITIVE };
 
   SkinArguments(class LAMMPS *lmp, const std::string &command, int narg, char **arg) :
       Pointers(lmp), subject(command), narg(narg), arg(arg), next(0) {}
@@ -24,6 +24,10 @@ class SkinArguments : protected Pointers {
 
   std::string about() const { return subject; }
   void speak_of(const std::string &what) { subject = what; }
+
+  // the keyword and one of its values, in errors
+
+  std::string named(const std::string &part) const;
 
   // take the next word as a keyword that n values must follow
 
@@ -43,8 +47,6 @@ class SkinArguments : protected Pointers {
   int narg;
   char **arg;
   int next;
-
-  std::string named(const std::string &part) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -66,11 +66,16 @@ class SkinCellKinds : protected Pointers {
 
   int size() const { return (int) rows.size() - 1; }
   int of_type(int type) const { return kind_of_type[type]; }
+  int find(const std::string &name) const;
   const SkinCellKind &operator[](int kind) const { return rows[kind]; }
 
   // longest distance, in contact lengths, at which a kind that does not stay has a force or leaves
 
   double longest_range() const;
+
+  // what a cell is that enters a kind
+
+  Stage enter(int kind) const;
 
   // what a cell is after one of its divisions, and what its newborn is
 
@@ -83,10 +88,8 @@ class SkinCellKinds : protected Pointers {
 
   void read(SkinArguments &, SkinCellKind &, bool first);
   void read_law(SkinArguments &, SkinCellKind &) const;
-  int find(const std::string &name) const;
   int link(const SkinCellKind &, const std::string &keyword, const std::string &name) const;
   void check(const SkinCellKind &) const;
-  Stage enter(int kind) const;
   bool never_enters(int kind) const;
 };
 

@@ -5,11 +5,18 @@
 #define LMP_SKIN_RANDOM_H
 
 #include <cstdint>
+#include <string>
 
 namespace LAMMPS_NS {
 namespace SkinRandom {
 
-  enum Purpose : uint64_t { WAIT = 1, ORIENTATION = 2, FIRST_PHASE = 3 };
+  enum Purpose : uint64_t {
+    WAIT = 1,
+    ORIENTATION = 2,
+    FIRST_PHASE = 3,
+    CHOICE = 4,
+    CONVERTED_WAIT = 5
+  };
 
   // a bijection of 64-bit integers with full avalanche (the finaliser of splitmix64)
 
@@ -19,6 +26,15 @@ namespace SkinRandom {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
     return z ^ (z >> 31);
+  }
+
+  // FNV-1a, for events that have names
+
+  inline uint64_t key_of(const std::string &name)
+  {
+    uint64_t h = 0xcbf29ce484222325ULL;
+    for (const unsigned char c : name) h = (h ^ c) * 0x100000001b3ULL;
+    return h;
   }
 
   // uniform in the open interval (0,1): the last of the 2^53 values would round to 1

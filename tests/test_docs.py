@@ -264,8 +264,8 @@ def test_event_log() -> None:
     columns = markdown.split("| `kind` | `cause` | |")[0]
     assert [name for row in rows(columns) for name in codes(row[0])] == header[1].split(",")
     told = {tuple(codes(" ".join(row[:2]))) for row in rows(markdown) if len(row) == 3}
-    code = text("plugins/fix_skin_cells_events.cpp")
-    calls = re.findall(r"log_event\(event.*?;", code, re.DOTALL)
+    code = "".join(text(f"plugins/fix_skin_cells_{part}.cpp") for part in ("events", "interventions"))
+    calls = re.findall(r"log(?:_event|\.write)\(.*?;", code, re.DOTALL)
     assert {word for pair in told for word in pair} == set(re.findall(r'"(\w+)"', "".join(calls)))
 
 

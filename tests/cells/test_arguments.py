@@ -109,6 +109,47 @@ def test_value(lammps: Any, keyword: str, value: str, message: str) -> None:
     assert error_of(lammps, {}, {keyword: value}).startswith(message)
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("", "needs 1 value(s) but got 0"),
+        ("a,b at 1 change", "a,b: a name has letters, digits, _ and - only"),
+        ("grown at 1 change", "grown: this name is that of another cause in the event log"),
+        ("a at 1 change intervene a at 2 change", "a: there are two interventions of this name"),
+        ("a remove all", "a needs at and a time after its name"),
+        ("a at -1 change", "a at = -1: must be a number >= 0"),
+        ("a at 1 every 0 change", "a every = 0: must be a number > 0"),
+        ("a at 2 every 1 until 1 change", "a until = 1: must be >= 2, its first time"),
+        ("a at 1 until 3 change", "a needs remove, convert, add or change after its times"),
+        ("a at 1 destroy all", "a needs remove, convert, add or change after its times"),
+        ("a at 1 remove nerve", "a kind = nerve: there is no such kind"),
+        ("a at 1 remove ta,nerve", "a kind = nerve: there is no such kind"),
+        ("a at 1 convert all all", "a kind = all: there is no such kind"),
+        ("a at 1 convert ta", "a convert needs 2 value(s) but got 1"),
+        ("a at 1 remove all fraction 0", "a fraction = 0: must be a number > 0"),
+        ("a at 1 remove all fraction 1.5", "a fraction = 1.5: must be <= 1"),
+        ("a at 1 remove all cylinder 13 3 2",
+         "a cylinder x = 13: must be within the box, from 0 to 12"),
+        ("a at 1 remove all cylinder 3 3 0", "a cylinder R = 0: must be a number > 0"),
+        ("a at 1 remove all half_space 1 0 0 12",
+         "a half_space = 1 0 0 12: no place in the box is in it"),
+        ("a at 1 remove all half_space 0 0 0 0",
+         "a half_space = 0 0 0 0: no place in the box is in it"),
+        ("a at 1 add ta 3 3 21", "a add z = 21: must be within the box, from 0 to 20"),
+        ("a at 1 add ta 3 3", "a add needs 3 value(s) but got 2"),
+        ("a at 1 add ta 3 3 nearest 4 4", "a add needs 3 value(s) but got 2"),
+    ],
+)  # fmt: skip
+def test_intervention(lammps: Any, words: str, message: str) -> None:
+    error = error_of(lammps, {}, {"intervene": words})
+    assert error == f"Fix skin/cells intervene {message}"
+
+
+def test_two_actions(lammps: Any) -> None:
+    error = error_of(lammps, {}, {"intervene": "a at 1 remove all convert all ta"})
+    assert error == "Unknown fix skin/cells keyword: convert"
+
+
 CYCLE = "cycle 36 0.083 48"
 
 
