@@ -37,6 +37,7 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.run.results import holds_results
 from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.configuration import Configuration
 from lammps_skin.study import cost
 from lammps_skin.study.result_keys import result_key, without_seed
 from lammps_skin.trajectory.store import Store
@@ -162,7 +163,11 @@ def members(scenes: Iterable[Scene], seeds: Sequence[int], folder: Path) -> list
             )
         if not scene.output.dump_interval:
             raise SceneError("output.dump_interval = 0: an ensemble needs trajectories")
-    return [Member(scene.replace(seed=seed), folder) for scene in scenes for seed in seeds]
+    begun = [
+        Configuration.from_scene(scene).described(scene) if scene.start.run else scene
+        for scene in scenes
+    ]
+    return [Member(scene.replace(seed=seed), folder) for scene in begun for seed in seeds]
 
 
 def member_of(directory: Path, folder: Path) -> Member:

@@ -22,7 +22,7 @@ def result_key(*content: object, made_by: Mapping[str, str] | None = None) -> st
 
 def physics(scene: Scene) -> dict[str, Any]:
     """All keys of a scene that its forces and its first state depend on."""
-    return scene.model_dump(mode="json", exclude=NO_PHYSICS)
+    return _keys(scene, NO_PHYSICS)
 
 
 def without_seed(scene: Scene) -> dict[str, Any]:
@@ -30,10 +30,20 @@ def without_seed(scene: Scene) -> dict[str, Any]:
 
     Where the cells have a seed of their own, that of the scene is the same for all runs.
     """
-    content = scene.model_dump(mode="json", exclude={"description"})
+    content = _keys(scene, {"description"})
     if content["cells"].pop("seed") is None:
         del content["seed"]
     return content
+
+
+def _keys(scene: Scene, exclude: set[str]) -> dict[str, Any]:
+    """Keys of a scene but some; those that name files state what is in them."""
+    keys = scene.model_dump(mode="json", exclude=exclude)
+    if scene.start.content is not None:
+        keys["start"] = scene.start.content
+    if scene.membrane.heights is not None and Path(scene.membrane.heights).is_file():
+        keys["membrane"]["heights"] = file_hash(Path(scene.membrane.heights))
+    return keys
 
 
 def file_hash(path: Path) -> str:

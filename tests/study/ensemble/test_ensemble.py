@@ -57,6 +57,29 @@ def test_one_command_and_the_same_again(skin, tmp_path):
     assert len([path for path in kept.parent.iterdir() if path.suffix == ".csv"]) == 3
 
 
+def test_runs_that_begin_elsewhere(scene, tmp_path):
+    """They are known by the state, not by its place; those from another state are others."""
+    with Simulation.begin(scene, tmp_path / "parent") as simulation:
+        simulation.run()
+    shutil.copytree(tmp_path / "parent", tmp_path / "copy")
+    fork = {"end_time": scene.end_time + 1}
+    one, same, other = (
+        members([scene.replace(**fork, **{"start.from": str(tmp_path / run), "start.time": time})],
+                [1], tmp_path)[0]
+        for run, time in (("parent", 1.0), ("copy", 1.0), ("copy", 1.5))
+    )  # fmt: skip
+    assert one.key == same.key != other.key
+    run_all([one], jobs=1)
+    assert read_table(one.table)["time"][0] == 1.0
+
+    heights = []
+    for name in ("a.npy", "b.npy", "c.npy"):
+        np.save(tmp_path / name, np.full((2, 2), 0.5 if name < "c" else 1.0))
+        changes = {"membrane.heights": str(tmp_path / name)}
+        heights.append(members([scene.replace(**changes)], [1], tmp_path)[0].key)
+    assert heights[0] == heights[1] != heights[2]
+
+
 def test_a_failure_does_not_lose_the_others(scene, tmp_path):
     bad = scene.replace(
         name="bad", **{"numerics.timestep": 0.5, "numerics.largest_move": 0.0,
