@@ -18,6 +18,7 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms
 from lammps_skin.start import lattice
 from lammps_skin.start.arrangements import place_cells
+from lammps_skin.start.data_file import write_data_file
 from lammps_skin.start.memory import check_memory
 from lammps_skin.start.origin import Origin, frame_of
 from lammps_skin.start.packing import dermal_count, pack_dermis
@@ -360,39 +361,19 @@ class Configuration:
         return membrane[index], np.asarray(distance)
 
     def write_data(self, path: Path, kinds: tuple[Kind, ...]) -> None:
-        """LAMMPS data file with the cell state in the section ``state`` of fix property/atom."""
-        n = len(self.kinds)
-        ids = self.ids
-        lammps_type: dict[int, int] = {kind: number for number, kind in enumerate(kinds, 1)}
+        """LAMMPS data file with the cell state in the section ``state`` of fix property/atom.
+
+        Its rows are in the order of the properties that state.in defines, zeros for what is no
+        cell.
+        """
+        lammps_type = {int(kind): number for number, kind in enumerate(kinds, 1)}
         types = np.array([lammps_type[kind] for kind in self.kinds])
-
-        with path.open("w", encoding="utf-8") as file:
-            file.write("LAMMPS data file, written by lammps-skin\n\n")
-            file.write(f"{n} atoms\n{len(self.links)} bonds\n{len(self.hinges)} dihedrals\n")
-            file.write(f"{len(kinds)} atom types\n1 bond types\n1 dihedral types\n\n")
-            for side, axis in zip(self.box, "xyz", strict=True):
-                file.write(f"0 {side:.17g} {axis}lo {axis}hi\n")
-            file.write("\nAtom Type Labels\n\n")
-            file.writelines(f"{number} {kind.label}\n" for number, kind in enumerate(kinds, 1))
-            file.write("\nMasses\n\n")
-            file.writelines(f"{number} 1\n" for number in lammps_type.values())
-            file.write("\nAtoms # molecular\n\n")
-            atoms = np.column_stack([ids, np.zeros(n), types, self.wrapped()])
-            np.savetxt(file, atoms, fmt="%d %d %d %.17g %.17g %.17g")
-            if len(self.links):
-                file.write("\nBonds\n\n")
-                _write_topology(file, ids[self.links])
-            if len(self.hinges):
-                file.write("\nDihedrals\n\n")
-                _write_topology(file, ids[self.hinges])
-            if self.is_cell.any():
-                file.write("\nstate\n\n")
-                np.savetxt(file, self._state_rows(), fmt=["%d"] * 5 + ["%.17g"] * 4)
-
-    def _state_rows(self) -> Floats:
-        """Rows in the order of the properties that state.in defines, zeros for what is no cell."""
-        columns = np.column_stack([getattr(self, name) for name in PER_PARTICLE])
-        return np.column_stack([self.ids, np.where(self.is_cell[:, None], columns, 0.0)])
+        state = np.column_stack([getattr(self, name) for name in PER_PARTICLE])
+        write_data_file(
+            path, [kind.label for kind in kinds], self.box, self.ids, types, self.wrapped(),
+            self.ids[self.links], self.ids[self.hinges],
+            np.where(self.is_cell[:, None], state, 0.0) if self.is_cell.any() else None,
+        )  # fmt: skip
 
 
 def _array(
@@ -435,9 +416,3 @@ def check_sizes(scene: Scene, box: Sequence[float] | Floats) -> None:
             f"{scene.dermis.volume_fraction:g} give {dermal_count(scene):,} particles; "
             f"must be 1 to {MOST_DERMAL:,}"
         )
-
-
-def _write_topology(file, members: Ints) -> None:  # type: ignore[no-untyped-def]
-    """Rows of the ids of the particles that bonds or dihedrals join."""
-    numbers = np.arange(1, len(members) + 1)
-    np.savetxt(file, np.column_stack([numbers, np.ones_like(numbers), members]), fmt="%d")
