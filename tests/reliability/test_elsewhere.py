@@ -239,6 +239,22 @@ def test_little_shared_memory(monkeypatch: pytest.MonkeyPatch) -> None:
         check_shared_memory(2)
 
 
+def test_a_crash_with_little_shared_memory(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MPICH ends without a word at 16 and 20 MB, and does not at 6, 18 or 24 MB."""
+
+    class Small:
+        f_bavail, f_frsize = 4000, 4096
+
+    silent = here / "mpirun"
+    silent.write_text("#!/bin/sh\nexit 245\n")
+    silent.chmod(0o755)
+    monkeypatch.setattr(os, "statvfs", lambda _: Small)
+    monkeypatch.setattr(ranks, "_mpirun", lambda: str(silent))
+    error = r"not start 2 ranks: it does not say why; /dev/shm has only 16\.4 MB: make it larger"
+    with pytest.raises(SimulationError, match=error):
+        RankedEngine(2, 1, here)
+
+
 def write_groups(root: Path, kind: str, mounted: str, group: str) -> Path:
     """Files of /proc of a process in a control group, mounted below a folder."""
     process, mount = root / "self", root / "mounted"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import secrets
 import shutil
@@ -27,6 +28,8 @@ PATIENCE = 120.0  # seconds for the next rank to start
 CLEARANCE = 20.0  # seconds for mpirun to end all ranks when one has ended
 SHARED = Path("/dev/shm")  # where the ranks of MPICH exchange messages
 SHARED_MEMORY = 2e6  # bytes of it without which a rank cannot begin
+AMPLE = 64e6  # bytes of it, below which MPICH crashes at some sizes and not at others
+LARGER = "make it larger (docker run --shm-size=1g), or run on one rank"
 # what batch systems and other mpiruns leave: ours would start ranks elsewhere, or join theirs;
 # of Open MPI and PMIx not what users set: OMPI_ALLOW_RUN_AS_ROOT, OMPI_MCA_btl, PMIX_MCA_gds
 LAUNCHERS = (
@@ -37,12 +40,13 @@ LAUNCHERS = (
     "PMIX_BFROP_", "PMIX_DSTORE_", "PMIX_GDS_", "PMIX_HOSTNAME", "PMIX_ID", "PMIX_NAMESPACE",
     "PMIX_PTL_", "PMIX_RANK", "PMIX_SECURITY_", "PMIX_SERVER_", "PMIX_SYSTEM_", "PMIX_VERSION",
 )  # fmt: skip
+CRASHED = "crashed"
 ENDED = {  # by number, how a rank ended that has said nothing
     signal.SIGKILL: "was killed",
     signal.SIGTERM: "was killed",
     signal.SIGBUS: f"ended with a bus error: {SHARED} has no more room",
-    signal.SIGSEGV: "crashed",
-    signal.SIGABRT: "crashed",
+    signal.SIGSEGV: CRASHED,
+    signal.SIGABRT: CRASHED,
 }
 
 
@@ -100,7 +104,7 @@ class RankedEngine:
             waiting.join(0.05)
             if self._process.poll() is not None:
                 said = lammps_message(self._printed()) or "it does not say why"
-                raise SimulationError(f"mpirun could not start {ranks} ranks: {said}")
+                raise SimulationError(f"mpirun could not start {ranks} ranks: {said}{_scarce()}")
             if time.monotonic() - latest > PATIENCE:
                 raise SimulationError(
                     f"mpirun has started {len(connections)} of {ranks} ranks, and no other within "
@@ -146,14 +150,14 @@ class RankedEngine:
         """How the ranks have ended; the code of mpirun is None if it had to be ended."""
         for number, text in ENDED.items():
             if code in (number, 128 + number, -number):
-                return f"a rank {text} ({number.name})"
+                return f"a rank {text} ({number.name}){_scarce() if text == CRASHED else ''}"
         for said in (self._printed(), self._logged_since()):
             errors = [line for line in said.splitlines() if "ERROR" in line]
             if errors:
                 return lammps_message(errors[0])
         if code is None:
             return "a rank has ended, and mpirun did not end the others"
-        return f"a rank ended with code {code}"
+        return f"a rank ended with code {code}{_scarce()}"
 
     def _printed(self) -> str:
         self._output.seek(0)
@@ -191,16 +195,27 @@ class RankedEngine:
 
 def check_shared_memory(ranks: int) -> None:
     """Raise `SimulationError` if ranks cannot exchange messages on this machine."""
-    try:
-        found = os.statvfs(SHARED)
-    except OSError:
-        return
-    free, needed = found.f_bavail * found.f_frsize, ranks * SHARED_MEMORY
+    free, needed = _shared_memory(), ranks * SHARED_MEMORY
     if free < needed:
         raise SimulationError(
             f"ranks = {ranks}: MPI needs {needed / 1e6:g} MB of shared memory; {SHARED} has "
-            f"{free / 1e6:.3g} MB; make it larger (docker run --shm-size=1g), or run on one rank"
+            f"{free / 1e6:.3g} MB; {LARGER}"
         )
+
+
+def _shared_memory() -> float:
+    """Bytes that are left of it, without limit where there is none of its kind."""
+    try:
+        found = os.statvfs(SHARED)
+    except OSError:
+        return math.inf
+    return float(found.f_bavail * found.f_frsize)
+
+
+def _scarce() -> str:
+    """What to try after an end without a word, if shared memory may be why."""
+    free = _shared_memory()
+    return f"; {SHARED} has only {free / 1e6:.3g} MB: {LARGER}" if free < AMPLE else ""
 
 
 def _environment() -> dict[str, str]:
