@@ -6,8 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lammps_skin.engine.engine import Forces
 from lammps_skin.kinds import Kind
+from lammps_skin.model import terms
 from lammps_skin.model.parameters import SETS
+from lammps_skin.model.scene import Scene
 from lammps_skin.run.evaluate import SHORT, Evaluation, evaluate
 from model_states import (
     TABLES,
@@ -232,3 +235,11 @@ def test_parts(case: Prepared, kinds: str, tmp_path: Path) -> None:
     assert_agrees(got, part)
     assert set(got.scene.kinds) >= {Kind.MEMBRANE}
     assert got.scene.dermis.present == ("D" in kinds)
+
+
+def test_a_term_without_a_short_name_counts_too() -> None:
+    energies = {**dict.fromkeys(terms.TERMS, 1.0), "cell_dermis_exclusion": 5.0}
+    nothing = Forces(np.empty(0, int), np.empty(0, int), np.empty((0, 3)), np.empty((0, 3)))
+    lines = Evaluation(Scene.from_dict({}), energies, 0.0, nothing, {}).lines()
+    assert "# E cell_dermis_exclusion 5" in lines
+    assert f"# E total {sum(energies.values()):g}" in lines

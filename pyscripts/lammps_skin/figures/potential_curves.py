@@ -16,6 +16,7 @@ from lammps_skin.style import plain
 
 AGE = 5.0  # of the dividing pair whose spring is shown, time
 POINTS = 601
+ACROSS = 4  # panels in a row
 SETS = ("printed", "papilla")
 
 
@@ -73,9 +74,10 @@ def draw_potentials(sets: tuple[str, ...] = SETS) -> Figure:
     """Figure of all terms, with a parameter set's curve where it differs from the first's."""
     scene = Scene.load("quarter-nd-a")
     of_sets = {name: curves(scene.replace(parameters=name)) for name in sets}
-    figure = Figure(figsize=(13, 9), layout="constrained")
-    panels: list[Axes] = list(figure.subplots(3, 4).ravel())
-    for axes, term in zip(panels, TERMS, strict=True):
+    rows = -(-len(TERMS) // ACROSS)
+    figure = Figure(figsize=(13, 3 * rows), layout="constrained")
+    for n, term in enumerate(TERMS, 1):
+        axes: Axes = figure.add_subplot(rows, ACROSS, n)
         first = of_sets[sets[0]][term]
         for name, style in zip(sets, ("-", "--", ":", "-."), strict=False):
             curve = of_sets[name][term]

@@ -39,16 +39,6 @@ TERMS = (
 FIX_TERMS = ("adhesion", "binding", "division")
 """The terms that fix skin/cells computes, in the order of its global vector."""
 
-PAIRS = {
-    "dermis_dermis": "dermal_dermal",
-    "dermis_membrane": "dermal_membrane",
-    "membrane_exclusion": "membrane_membrane",
-    "cell_membrane_exclusion": "membrane_cell",
-    "cell_cell_exclusion": "cell_cell",
-    "cell_cell_adhesion": "cell_cell",
-}
-"""Between which particles the pair terms are."""
-
 
 @dataclass(frozen=True)
 class StyledTerm:
@@ -64,11 +54,12 @@ class StyledTerm:
 class PairPotential:
     """A pair potential K u(d/D), its range in contact lengths, and where its table begins.
 
-    `plugin_style` is its style in the plugin, `extra` what that wants to know besides K, D and the
-    range.
+    `between` names the particles that it is between, `plugin_style` is its style in the plugin, and
+    `extra` what that wants to know besides K, D and the range.
     """
 
     name: str
+    between: str
     stiffness: float
     contact: float
     range: float
@@ -225,7 +216,8 @@ def _pair_potentials(scene: Scene) -> list[PairPotential]:
     ex, ex_slope = potentials.exclusion, potentials.exclusion_slope
     shapes = [
         PairPotential(
-            "membrane_exclusion", membrane.exclusion_stiffness, scene.spacing, 1.0,
+            "membrane_exclusion", "membrane_membrane",
+            membrane.exclusion_stiffness, scene.spacing, 1.0,
             ex, ex_slope, 0.3,
         )
     ]  # fmt: skip
@@ -233,12 +225,14 @@ def _pair_potentials(scene: Scene) -> list[PairPotential]:
         reach, a1, d1 = dermis.attraction_range, dermis.softening, dermis.softening_onset
         shapes += [
             PairPotential(
-                "dermis_membrane", dermis.membrane_stiffness, membrane.radius + dermis.radius,
+                "dermis_membrane", "dermal_membrane",
+                dermis.membrane_stiffness, membrane.radius + dermis.radius,
                 reach, lambda x: potentials.truncated(x, reach),
                 lambda x: potentials.truncated_slope(x, reach), 0.3,
             ),
             PairPotential(
-                "dermis_dermis", dermis.stiffness, 2 * dermis.radius, reach,
+                "dermis_dermis", "dermal_dermal",
+                dermis.stiffness, 2 * dermis.radius, reach,
                 lambda x: potentials.dermis(x, reach, a1, d1),
                 lambda x: potentials.dermis_slope(x, reach, a1, d1), 0.1, "skin/dermis", (a1, d1),
             ),
@@ -248,15 +242,18 @@ def _pair_potentials(scene: Scene) -> list[PairPotential]:
         scale = 2 * cells.radius if scene.force_scale == "direct" else 1.0
         shapes += [
             PairPotential(
-                "cell_membrane_exclusion", cells.membrane_exclusion_stiffness, scene.contact, 1.0,
+                "cell_membrane_exclusion", "membrane_cell",
+                cells.membrane_exclusion_stiffness, scene.contact, 1.0,
                 ex, ex_slope, 0.3,
             ),
             PairPotential(
-                "cell_cell_exclusion", cells.exclusion_stiffness, 2 * cells.radius, 1.0,
+                "cell_cell_exclusion", "cell_cell",
+                cells.exclusion_stiffness, 2 * cells.radius, 1.0,
                 ex, ex_slope, 0.3,
             ),
             PairPotential(
-                "cell_cell_adhesion", cells.cell_adhesion_stiffness * scale, 2 * cells.radius, lam,
+                "cell_cell_adhesion", "cell_cell",
+                cells.cell_adhesion_stiffness * scale, 2 * cells.radius, lam,
                 lambda x: potentials.shifted_adhesion(x, lam),
                 lambda x: potentials.adhesion_slope(x, lam), 0.02, "skin/adhesion",
             ),
@@ -282,15 +279,15 @@ def _styled(shape: PairPotential, scene: Scene) -> StyledTerm:
 def _cores(shapes: list[PairPotential], form: str) -> dict[str, str]:
     if form == "skin":
         return {}
-    found = {PAIRS[shape.name]: "none" for shape in shapes}
+    found = {shape.between: "none" for shape in shapes}
     for shape in shapes:  # exclusion comes before adhesion
-        pair = PAIRS[shape.name]
+        pair = shape.between
         if shape.name == "cell_membrane_exclusion" and form == "analytic":
             continue
         if shape.stiffness and found[pair] == "none":
             tables = (
                 one.inner for one in shapes
-                if PAIRS[one.name] == pair and not (one.lennard_jones and form == "analytic")
+                if one.between == pair and not (one.lennard_jones and form == "analytic")
             )  # fmt: skip
             first = max(tables, default=0.0)
             found[pair] = f"skin/core {shape.inner!r} {shape.contact!r} {first!r}"

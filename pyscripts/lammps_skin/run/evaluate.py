@@ -197,6 +197,8 @@ class Evaluation:
         """The output format: energies, then ``index kind fx fy fz [nearest distance]``."""
         shifted = self.energies["cell_cell_adhesion"]
         energies = {short: self.energies[name] for short, name in SHORT.items()}
+        known = {*SHORT.values(), "cell_cell_adhesion"}
+        energies |= {name: value for name, value in self.energies.items() if name not in known}
         energies["cc_ad"] = shifted + self.adhesion_plateau
         energies["cc_ad_shifted"] = shifted
         total = sum(value for name, value in energies.items() if name != "cc_ad_shifted")
