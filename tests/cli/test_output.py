@@ -129,7 +129,7 @@ def test_beyond_the_neighbor_lists(share, said):
     beyond = share * (stages - 1) * steps * particles
     monitor = SimpleNamespace(
         _motion=Motion(0, steps, stages * steps, 0, 1, steps, beyond), _particles=particles,
-        _coverage=None, living=lambda: "", births=0, removals=0,
+        _tissue=[], living=lambda: "", births=0, removals=0,
     )  # fmt: skip
     for name in ("_beyond", "_verdict"):
         setattr(monitor, name, getattr(RunMonitor, name).__get__(monitor))

@@ -57,6 +57,15 @@ class Sheet(NamedTuple):
     long_link: float
 
 
+def number_below(cells: Floats, box: Box, radius: float) -> Ints:
+    """Number (c,) of other cells straight below each of the cells (c, 3), see `Layering`."""
+    closer = np.nextafter(radius, 0.0)
+    pairs = periodic_tree(cells[:, :2], box).query_pairs(closer, output_type="ndarray")
+    rise = cells[pairs[:, 0], 2] - cells[pairs[:, 1], 2]
+    upper = np.concatenate([pairs[rise > radius, 0], pairs[rise < -radius, 1]])
+    return np.bincount(upper, minlength=len(cells))
+
+
 def layering(cells: Floats, below: Ints, particles: int, box: Box, radius: float) -> Layering:
     """How cells lie over each other and on the membrane.
 
@@ -74,11 +83,7 @@ def layering(cells: Floats, below: Ints, particles: int, box: Box, radius: float
     """
     if not len(cells):
         return Layering(*[np.nan] * 4)
-    closer = np.nextafter(radius, 0.0)
-    pairs = periodic_tree(cells[:, :2], box).query_pairs(closer, output_type="ndarray")
-    rise = cells[pairs[:, 0], 2] - cells[pairs[:, 1], 2]
-    upper = np.concatenate([pairs[rise > radius, 0], pairs[rise < -radius, 1]])
-    number = np.bincount(upper, minlength=len(cells))
+    number = number_below(cells, box, radius)
     held = np.bincount(below, minlength=particles)
     return Layering(
         float((number == 0).mean()), float(number.mean()), float(held.max()),

@@ -41,6 +41,9 @@ def ensemble(
     settings: Settings = None,
 ) -> None:
     """Run scenes with many seeds, and store the observables of each run."""
+    import numpy as np
+
+    from lammps_skin.analysis.basal_layer import last_remark
     from lammps_skin.analysis.observables import read_table
     from lammps_skin.study import ensemble as ensembles
 
@@ -71,7 +74,11 @@ def ensemble(
         raise typer.Exit(INTERRUPTED) from None
     finally:
         for path in ensembles.gather(members):
-            console.print(f"{path}: {len(set(read_table(path)['seed']))} seeds")
+            table = read_table(path)
+            runs_of = [table[table["seed"] == seed] for seed in np.unique(table["seed"])]
+            console.print(f"{path}: {len(runs_of)} seeds")
+            if heaps := [line for run in runs_of if (line := last_remark(run))]:
+                console.print(f"{path}: {len(heaps)} of them, the first: {heaps[0]}")
     for label, text in failures.items():
         console.print(f"failed: {label}: {text}")
     if failures:

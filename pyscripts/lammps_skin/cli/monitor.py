@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
+from lammps_skin.analysis.basal_layer import number_below, remark
 from lammps_skin.analysis.coverage import count_by_kind, coverage
 from lammps_skin.cli.progress import Progress
 from lammps_skin.engine.engine import Motion
@@ -36,7 +37,7 @@ class RunMonitor:
         self._end = simulation.scene.end_time if until is None else until
         self._first_id = simulation.next_id()
         self._first_cells = len(simulation.cells().ids)
-        self._coverage: float | None = None
+        self._tissue: list[str] = []
         self._motion: Motion | None = None
         self._particles = 0
         self.births = 0
@@ -59,7 +60,7 @@ class RunMonitor:
             finally:
                 if self._simulation.sound:
                     self._look(self._simulation.time)
-        self._coverage = self._covered()
+        self._tissue = list(self._said_of_tissue())
         self._motion = self._simulation.motion()
         self._particles = len(self._simulation.forces().ids)
 
@@ -71,15 +72,18 @@ class RunMonitor:
         self.births = self._simulation.next_id() - self._first_id
         self.removals = self._first_cells + self.births - len(cells.ids)
 
-    def _covered(self) -> float | None:
-        """Share of the membrane particles that are within reach of a cell's adhesion."""
+    def _said_of_tissue(self) -> Iterator[str]:
+        """How much of the membrane is covered, and a remark if it is so by more than one layer."""
         scene, state = self._simulation.scene, self._simulation.forces()
         cells = state.positions[is_cell(state.types)]
         if not len(cells):
-            return None
-        membrane = state.positions[state.types == Kind.MEMBRANE]
-        reach = scene.cells.adhesion_range * scene.contact
-        return coverage(membrane, cells, scene.box_sides[:2], reach)
+            return
+        membrane, box = state.positions[state.types == Kind.MEMBRANE], scene.box_sides[:2]
+        covered = coverage(membrane, cells, box, scene.cells.adhesion_range * scene.contact)
+        yield f"{covered:.0%} of the membrane within reach of a cell"
+        alone = number_below(cells, box, scene.cells.radius) == 0
+        if line := remark(self.time, covered, float(alone.mean())):
+            yield line
 
     def living(self) -> str:
         """Numbers of living cells by kind."""
@@ -94,8 +98,7 @@ class RunMonitor:
             self.births = max(self.births, events["birth"])
             self.removals = max(self.removals, events["death"])
         yield f"{self.living()}; {self.births} births, {self.removals} removals"
-        if self._coverage is not None:
-            yield f"{self._coverage:.0%} of the membrane within reach of a cell"
+        yield from self._tissue
         if self._motion and self._motion.steps and (self._motion.divided or self._motion.lowered):
             divided = self._motion.divided / self._motion.steps
             slowed = self._motion.lowered
