@@ -12,6 +12,7 @@ from lammps_skin.analysis.statistics import mean
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.configuration import Configuration
 
 from tests.cells.conftest import CONTACT, HEIGHT, QUIET, place
 
@@ -108,3 +109,60 @@ def test_loose_stem_cells_of_the_scene(tmp_path) -> None:
     deaths = events.of("death")
     left = deaths.cause[deaths.type == Kind.STEM].tolist()
     assert left and set(left) == {"detached"} and last.count(Kind.STEM) == 6 - len(left)
+
+
+# ---- what dividing pairs may do otherwise
+
+
+def pair(scene: Scene, apart: float, above: float) -> Configuration:
+    """A stem cell on the membrane, and the TA cell that divides from it, higher by a length."""
+    spots = [(4.0, 6.0, HEIGHT + CONTACT), (4.0 + apart, 6.0, HEIGHT + CONTACT + above)]
+    start = place(scene, [(Kind.STEM, spots[0], 10), (Kind.TA, spots[1], 10)])
+    start.pair[-2:] = [len(start.kinds), len(start.kinds) - 1]
+    return start
+
+
+def test_a_cell_of_a_pair_has_another_stiffness(tmp_path) -> None:
+    """Twice the stiffness, while it is in a pair, and only beside the kind that is named."""
+    energies = {}
+    for other in ("none", "ta", "stem"):
+        keys = {"paired_with": other, **({} if other == "none" else {"paired_stiffness": 50.0})}
+        scene = Scene.load("demo").replace(**SMALL, **{"cells.kinds.ta": keys})
+        start = pair(scene, 2.0, 0.2)
+        with Simulation.begin(scene, configuration=start) as simulation:
+            energies[other] = simulation.energies()["adhesion"]
+    assert energies["none"] > 0 and energies["ta"] == energies["none"]
+    assert energies["stem"] == pytest.approx(2 * energies["none"])
+
+
+def test_a_cell_of_a_pair_may_stay(tmp_path) -> None:
+    """Beyond its range, a TA cell leaves its pair, or stays until the pair has ended."""
+    ends = {}
+    for leaves in (True, False):
+        changes = {"cells.removal_in_pair": leaves, "cells.division_rate": 1.0, "end_time": 5.0}
+        scene = Scene.load("demo").replace(**SMALL, **changes)
+        start = pair(scene, 1.0, 1.5)
+        start.next_division[-2:] = 1e3
+        directory = tmp_path / str(leaves)
+        with Simulation.begin(scene, directory, start) as simulation:
+            simulation.run()
+        events = read_events(directory / "events.csv")
+        ends[leaves] = events.cause.tolist()[0], float(events.time[0])
+    assert ends[True][0] in ("detached", "partner_removed")
+    assert ends[True][1] < 1.0 < ends[False][1]
+    assert ends[False][0] == "grown"
+
+
+def test_a_division_ends_beyond_a_distance(tmp_path) -> None:
+    """The spring has grown after three time units; held together, the two are still a pair."""
+    ends = {}
+    for distance in (0.0, 0.9):
+        changes = {"cells.division_distance": distance, "cells.division_rate": 1.0, "end_time": 4.0}
+        scene = Scene.load("demo").replace(**SMALL, **changes)
+        start = pair(scene, 2.0, 0.0)
+        start.next_division[-2:] = 1e3
+        with Simulation.begin(scene, tmp_path / str(distance), start) as simulation:
+            simulation.command("fix hold all setforce 0 0 0")
+            simulation.run()
+        ends[distance] = read_events(tmp_path / str(distance) / "events.csv").cause.tolist()
+    assert ends == {0.0: ["grown"], 0.9: []}
