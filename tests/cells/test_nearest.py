@@ -8,9 +8,10 @@ from lammps_skin.engine.engine import Cells, Forces
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
+from lammps_skin.start import lattice
 from lammps_skin.start.configuration import Configuration
 
-from tests.cells.conftest import CONTACT, HEIGHT, crowd, grid, membrane_scene, place, wave
+from tests.cells.conftest import CONTACT, FREEZE, HEIGHT, crowd, grid, membrane_scene, place, wave
 
 TIMESTEP = 0.02
 STEPS = 200
@@ -104,6 +105,48 @@ def test_partner_is_the_nearest_in_random_places(ranks: int) -> None:
     vertical = np.abs(found.positions[:, :2] - particles.positions[found.partner - 1, :2])
     across_edge = (vertical > np.divide(scene.box_sides[:2], 2)).any(axis=1)
     assert across_edge.sum() > 10
+
+
+@pytest.mark.parametrize(("ranks", "turned"), [(1, False), (1, True), (2, True)])
+def test_of_equally_near_particles_the_one_with_the_lowest_id_counts(
+    ranks: int, turned: bool
+) -> None:
+    """It is the partner, and the plane of divisions is normal to the line to it.
+
+    Cells are above the middles of links, on a sheet whose IDs ascend or descend along x and y.
+    """
+    scene = membrane_scene(
+        **{"cells.cycle_delay": 10.0, "cells.cycle_rate": 1e6, "cells.first_phase": 1e9,
+           "numerics.timestep": TIMESTEP}
+    )  # fmt: skip
+    sheet = lattice.positions(scene.membrane.lattice, scene.spacing, HEIGHT)
+    if turned:
+        sheet[:, :2] = np.subtract(scene.box_sides[:2], sheet[:, :2])
+    links, _ = lattice.links_and_hinges(scene.membrane.lattice)
+    a, b = sheet[links].swapaxes(0, 1)
+    middles = (a + b) / 2
+    inside = (np.abs(2 * middles / scene.box_sides - 1) < 0.8)[:, :2].all(axis=1)
+    equally_near = ((a - middles) ** 2 == (b - middles) ** 2).all(axis=1)
+    chosen = np.flatnonzero(inside & equally_near & (np.abs(a - b) < 2).all(axis=1))[::5]
+    places = middles[chosen] + [0.0, 0.0, CONTACT]
+    configuration = place(scene, [(Kind.STEM, xyz, 3) for xyz in places])
+    configuration.positions[: len(sheet)] = sheet
+    with Simulation(scene, configuration=configuration, ranks=ranks) as simulation:
+        found = simulation.cells()
+        simulation.command(FREEZE)
+        simulation.command("neigh_modify exclude group cells cells")
+        simulation.run(until=2 * scene.numerics.event_interval)
+        divided = simulation.cells()
+    assert len(found.ids) > 100
+    lowest = links[chosen].min(axis=1)
+    np.testing.assert_array_equal(found.partner, lowest + 1)
+
+    newborn = divided.ids > found.ids.max()
+    mother = divided.parent[newborn] - found.ids.min()
+    np.testing.assert_array_equal(np.sort(mother), np.arange(len(places)))
+    normals = places[mother] - sheet[lowest[mother]]
+    directions = divided.positions[newborn] - places[mother]
+    np.testing.assert_allclose((normals * directions).sum(axis=1), 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
