@@ -7,8 +7,9 @@ from itertools import product
 
 import numpy as np
 import pytest
+from lammps_skin.model import potentials
 from lammps_skin.model.tables import Table
-from lammps_skin.model.terms import Terms, stretch_table
+from lammps_skin.model.terms import Terms, stretch_table, stretch_term
 from lammps_skin.run.simulation import Simulation
 from model_states import (
     CELLS,
@@ -306,6 +307,18 @@ def tables(case: Prepared, **changes: object) -> dict[str, Table]:
     """Return the tables of a scene by term."""
     scene = case.scene.replace(**changes)
     return Terms(scene).tables | {"stretch": stretch_table(scene)}
+
+
+@pytest.mark.parametrize("force_scale", ["printed", "direct"])
+def test_table_of_links_has_the_coefficients_of_the_style(force_scale: str) -> None:
+    scene = small_scene(FULL, force_scale=force_scale)
+    stiffness, contact, *shape = map(float, stretch_term(scene).coefficients.split())
+    table = stretch_table(scene)
+    r = table.distances
+    u = stiffness * potentials.stretch(r / contact, *shape)
+    slope = stiffness / contact * potentials.stretch_slope(r / contact, *shape)
+    np.testing.assert_allclose(table.energy(r), u, rtol=1e-12)
+    np.testing.assert_allclose(table.force(r), -slope, rtol=1e-12)
 
 
 @pytest.mark.parametrize("style", ["linear", "spline"])

@@ -253,7 +253,7 @@ STYLES = {
 
 @pytest.mark.parametrize("style", STYLES)
 def test_coefficients_survive_files(style: str, tmp_path: Path) -> None:
-    """Restart files hold style and coefficients, data files the coefficients."""
+    """Restart files hold style and coefficients, data files the coefficients, of pairs or types."""
     energies = []
     begin = (
         f"{BOX}\npair_style {style}\npair_coeff * * {STYLES[style]}\npair_coeff 1 2 0.3"
@@ -261,7 +261,8 @@ def test_coefficients_survive_files(style: str, tmp_path: Path) -> None:
     )
     settings = "units lj\natom_style molecular\nspecial_bonds lj/coul 0.0 1.0 1.0\n"
     for commands in (
-        f"{begin}\nrun 0\nwrite_restart state\nwrite_data state.data pair ij",
+        f"{begin}\nrun 0\nwrite_restart state\nwrite_data state.data pair ij"
+        "\nwrite_data state.types",
         "read_restart state\nrun 0",
         f"{settings}pair_style {style}\nread_data state.data\nrun 0",
     ):
@@ -273,6 +274,9 @@ def test_coefficients_survive_files(style: str, tmp_path: Path) -> None:
     assert abs(energies[0]) > 1e-3
     assert energies[1] == energies[0]
     assert energies[2] == pytest.approx(energies[0], rel=1e-12)
+    section = (tmp_path / "state.types").read_text().split("Pair Coeffs")[1].split("\n\n")[1]
+    given = [float(word) for word in STYLES[style].split()]
+    assert np.loadtxt(section.splitlines()).tolist() == [[1, *given], [2, *given]]
 
 
 def test_links_in_restart_files(tmp_path: Path) -> None:

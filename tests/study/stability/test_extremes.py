@@ -303,7 +303,7 @@ def test_the_term_that_is_unstable_is_named(term: str, ranks: int) -> None:
         start.pair_start[-2:] = 0.0
     with Simulation.begin(scene, configuration=start, ranks=ranks) as simulation:
         if term == "push":
-            simulation.command("fix push all addforce 0 0 1e9")
+            simulation.command("fix push all addforce 0 1e9 0")
         error = rf"unstable on step 1: .*, most of it from {named}, which would need"
         with pytest.raises(SimulationError, match=error):
             simulation.run(until=scene.numerics.timestep)
