@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from lammps_skin.model import potentials
 from lammps_skin.model.tables import Table
-from lammps_skin.model.terms import Terms, stretch_table, stretch_term
+from lammps_skin.model.terms import Terms, stretch_table
 from lammps_skin.run.simulation import Simulation
 from model_states import (
     CELLS,
@@ -312,7 +312,7 @@ def tables(case: Prepared, **changes: object) -> dict[str, Table]:
 @pytest.mark.parametrize("force_scale", ["printed", "direct"])
 def test_table_of_links_has_the_coefficients_of_the_style(force_scale: str) -> None:
     scene = small_scene(FULL, force_scale=force_scale)
-    stiffness, contact, *shape = map(float, stretch_term(scene).coefficients.split())
+    stiffness, contact, *shape = map(float, Terms(scene).stretch.coefficients.split())
     table = stretch_table(scene)
     r = table.distances
     u = stiffness * potentials.stretch(r / contact, *shape)
