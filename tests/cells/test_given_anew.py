@@ -96,7 +96,9 @@ def test_what_ends_in_a_run_without_steps_is_logged(tmp_path: Path) -> None:
 def test_another_log_begins_anew(tmp_path: Path) -> None:
     lines = ["run 16 post no", "unfix cells", f"fix cells cells {fix_line(busy())} log second.csv",
              "run 16 post no", COUNTS]  # fmt: skip
-    ((births, *_),) = told(run_script(tmp_path, *lines, scene=busy()))
+    process = run_script(tmp_path, *lines, scene=busy())
+    assert "cannot close" not in process.stdout
+    ((births, *_),) = told(process)
     first = len(of_kind(read_events(tmp_path), "birth"))
     (tmp_path / "second.csv").rename(tmp_path / "events.csv")
     assert first + len(of_kind(read_events(tmp_path), "birth")) == births

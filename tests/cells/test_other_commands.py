@@ -138,13 +138,13 @@ def test_a_wound_ends_pairs(which: str, ranks: int, tmp_path: Path) -> None:
     assert widowed.sum() >= 2
     assert (after["i_pair"] == 0).all()
     assert (after["f_cells[5]"] == 0).all()
-    # the pair's end is told in the log, once; a division that was due waits for it
+    # the pairs' ends are told in the log, once, by their IDs; a division that was due waits for it
     ends = [e for e in of_kind(read_events(tmp_path), "division_end") if e.cause != "grown"]
     pairs = [
         (max(pair), min(pair))
         for pair in zip(before["id"][widowed], before["i_pair"][widowed], strict=True)
     ]
-    assert sorted((e.id, e.parent) for e in ends) == sorted(pairs)
+    assert [(e.id, e.parent) for e in ends] == sorted(pairs)
     assert {e.time for e in ends} == {3.0}
     places = {tuple(row) for row in np.round(np.transpose([before[c] for c in "xyz"]), 3)}
     assert {tuple(np.round(e.x, 3)) for e in ends} <= places

