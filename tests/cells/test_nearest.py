@@ -131,7 +131,7 @@ def test_of_equally_near_particles_the_one_with_the_lowest_id_counts(
     places = middles[chosen] + [0.0, 0.0, CONTACT]
     configuration = place(scene, [(Kind.STEM, xyz, 3) for xyz in places])
     configuration.positions[: len(sheet)] = sheet
-    with Simulation(scene, configuration=configuration, ranks=ranks) as simulation:
+    with Simulation.begin(scene, configuration=configuration, ranks=ranks) as simulation:
         found = simulation.cells()
         simulation.command(FREEZE)
         simulation.command("neigh_modify exclude group cells cells")
