@@ -264,7 +264,8 @@ def test_event_log() -> None:
     columns = markdown.split("| `kind` | `cause` | |")[0]
     assert [name for row in rows(columns) for name in codes(row[0])] == header[1].split(",")
     told = {tuple(codes(" ".join(row[:2]))) for row in rows(markdown) if len(row) == 3}
-    code = "".join(text(f"plugins/fix_skin_cells_{part}.cpp") for part in ("events", "interventions"))
+    parts = "events", "interventions"
+    code = "".join(text(f"plugins/fix_skin_cells_{part}.cpp") for part in parts)
     calls = re.findall(r"log(?:_event|\.write)\(.*?;", code, re.DOTALL)
     assert {word for pair in told for word in pair} == set(re.findall(r'"(\w+)"', "".join(calls)))
 

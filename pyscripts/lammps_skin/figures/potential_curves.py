@@ -41,10 +41,10 @@ def curves(scene: Scene) -> dict[str, Curve]:
         "adhesion": Curve("x", x, terms.adhesion * potentials.adhesion(x, cells.adhesion_range)),
         "binding": Curve("x", x, terms.binding * potentials.binding(x)),
     }
-    for shape in terms.pair_potentials.values():
-        x = np.linspace(0.85 if shape.lennard_jones else 0.6, 1.6, POINTS)
-        energy = np.where(x < shape.range, shape.stiffness * shape.energy(x), 0.0)
-        found[shape.name] = Curve("x", x, energy)
+    for pair in terms.pair_potentials.values():
+        x = np.linspace(0.85 if pair.lennard_jones else 0.6, 1.6, POINTS)
+        energy = np.where(x < pair.range, pair.stiffness * pair.energy(x), 0.0)
+        found[pair.name] = Curve("x", x, energy)
     x = np.linspace(0.85, 1.6, POINTS)
     found["wall"] = Curve("x", x, scene.dermis.wall_stiffness * potentials.exclusion(x))
 

@@ -128,12 +128,12 @@ class Terms:
     @cached_property
     def pair_potentials(self) -> dict[str, PairPotential]:
         """The pair terms as formulas, by name."""
-        return {shape.name: shape for shape in _pair_potentials(self.scene)}
+        return {pair.name: pair for pair in _pair_potentials(self.scene)}
 
     @cached_property
     def pairs(self) -> tuple[StyledTerm, ...]:
         """The sub-styles of ``pair_style hybrid/overlay`` and their coefficients, in order."""
-        return tuple(_styled(shape, self.scene) for shape in self.pair_potentials.values())
+        return tuple(_styled(pair, self.scene) for pair in self.pair_potentials.values())
 
     @cached_property
     def cores(self) -> dict[str, str]:
@@ -199,7 +199,7 @@ class Terms:
     @cached_property
     def cutoffs(self) -> dict[str, float]:
         """Ranges of the pair terms and of adhesion, as far as the scene has them."""
-        found = {name: shape.contact * shape.range for name, shape in self.pair_potentials.items()}
+        found = {name: pair.contact * pair.range for name, pair in self.pair_potentials.items()}
         if self.scene.has_cells:
             found["adhesion"] = self.scene.longest_range * self.scene.contact
         return found
@@ -214,7 +214,7 @@ def _pair_potentials(scene: Scene) -> list[PairPotential]:
     """The pair terms that a scene has."""
     dermis, membrane, cells = scene.dermis, scene.membrane, scene.cells
     ex, ex_slope = potentials.exclusion, potentials.exclusion_slope
-    shapes = [
+    pairs = [
         PairPotential(
             "membrane_exclusion", "membrane_membrane",
             membrane.exclusion_stiffness, scene.spacing, 1.0,
@@ -223,7 +223,7 @@ def _pair_potentials(scene: Scene) -> list[PairPotential]:
     ]  # fmt: skip
     if dermis.present:
         reach, a1, d1 = dermis.attraction_range, dermis.softening, dermis.softening_onset
-        shapes += [
+        pairs += [
             PairPotential(
                 "dermis_membrane", "dermal_membrane",
                 dermis.membrane_stiffness, membrane.radius + dermis.radius,
@@ -240,7 +240,7 @@ def _pair_potentials(scene: Scene) -> list[PairPotential]:
     if scene.has_cells:
         lam = cells.adhesion_range
         scale = 2 * cells.radius if scene.force_scale == "direct" else 1.0
-        shapes += [
+        pairs += [
             PairPotential(
                 "cell_membrane_exclusion", "membrane_cell",
                 cells.membrane_exclusion_stiffness, scene.contact, 1.0,
@@ -258,39 +258,39 @@ def _pair_potentials(scene: Scene) -> list[PairPotential]:
                 lambda x: potentials.adhesion_slope(x, lam), 0.02, "skin/adhesion",
             ),
         ]  # fmt: skip
-    return shapes
+    return pairs
 
 
-def _styled(shape: PairPotential, scene: Scene) -> StyledTerm:
+def _styled(pair: PairPotential, scene: Scene) -> StyledTerm:
     """A pair term as the style that the scene wants."""
-    numerics, cutoff = scene.numerics, shape.contact * shape.range
+    numerics, cutoff = scene.numerics, pair.contact * pair.range
     if numerics.pair_form == "skin":
-        values = shape.stiffness, shape.contact, *shape.extra, shape.range
-        return StyledTerm(shape.name, shape.plugin_style, " ".join(map(repr, values)))
-    if shape.lennard_jones and numerics.pair_form == "analytic":
-        coefficients = lennard_jones(shape.stiffness, shape.contact, cutoff)
-        return StyledTerm(shape.name, f"lj/cut {cutoff!r}", coefficients)
-    table = shape.table(numerics.table_points)
+        values = pair.stiffness, pair.contact, *pair.extra, pair.range
+        return StyledTerm(pair.name, pair.plugin_style, " ".join(map(repr, values)))
+    if pair.lennard_jones and numerics.pair_form == "analytic":
+        coefficients = lennard_jones(pair.stiffness, pair.contact, cutoff)
+        return StyledTerm(pair.name, f"lj/cut {cutoff!r}", coefficients)
+    table = pair.table(numerics.table_points)
     style = f"table {numerics.table_style} {len(table.distances)}"
-    coefficients = f"{shape.name}.table {table.keyword} {cutoff!r}"
-    return StyledTerm(shape.name, style, coefficients, table)
+    coefficients = f"{pair.name}.table {table.keyword} {cutoff!r}"
+    return StyledTerm(pair.name, style, coefficients, table)
 
 
-def _cores(shapes: list[PairPotential], form: str) -> dict[str, str]:
+def _cores(pairs: list[PairPotential], form: str) -> dict[str, str]:
     if form == "skin":
         return {}
-    found = {shape.between: "none" for shape in shapes}
-    for shape in shapes:  # exclusion comes before adhesion
-        pair = shape.between
-        if shape.name == "cell_membrane_exclusion" and form == "analytic":
+    found = {pair.between: "none" for pair in pairs}
+    for pair in pairs:  # exclusion comes before adhesion
+        particles = pair.between
+        if pair.name == "cell_membrane_exclusion" and form == "analytic":
             continue
-        if shape.stiffness and found[pair] == "none":
+        if pair.stiffness and found[particles] == "none":
             tables = (
-                one.inner for one in shapes
-                if one.between == pair and not (one.lennard_jones and form == "analytic")
+                one.inner for one in pairs
+                if one.between == particles and not (one.lennard_jones and form == "analytic")
             )  # fmt: skip
             first = max(tables, default=0.0)
-            found[pair] = f"skin/core {shape.inner!r} {shape.contact!r} {first!r}"
+            found[particles] = f"skin/core {pair.inner!r} {pair.contact!r} {first!r}"
     return found if set(found.values()) != {"none"} else {}
 
 

@@ -245,12 +245,12 @@ def evaluate(
 
 def _adhesion_plateau(scene: Scene, configuration: Configuration) -> float:
     """The plateau of u_ad that the pairs within its range have in the unshifted convention."""
-    shape = Terms(scene).pair_potentials.get("cell_cell_adhesion")
-    if shape is None:
+    adhesion = Terms(scene).pair_potentials.get("cell_cell_adhesion")
+    if adhesion is None:
         return 0.0
-    pairs = _pairs_within(configuration, shape.range * shape.contact)
+    pairs = _pairs_within(configuration, adhesion.range * adhesion.contact)
     depth = float(-potentials.shifted_adhesion(0.0, scene.cells.adhesion_range))
-    return shape.stiffness * depth * pairs
+    return adhesion.stiffness * depth * pairs
 
 
 def _pairs_within(configuration: Configuration, cutoff: float) -> int:

@@ -26,7 +26,7 @@ from lammps_skin.study.stability.bisection import Limit, Trial, bisect
 from lammps_skin.study.stability.hessian import largest_eigenvalue, mobilities
 from lammps_skin.study.stability.methods import CROWDING, Method, scaled
 from lammps_skin.study.tradeoff.measure import NEVER, restart_of
-from lammps_skin.study.tradeoff.store import Store
+from lammps_skin.study.tradeoff.store import ResultFolder
 
 VERSION = 1  # to be raised when what is found means something else
 KICK = 1e-4  # largest displacement of each coordinate at the start: nothing is exactly at rest
@@ -134,7 +134,7 @@ class Trials:
         self.state = state
         self.interval = interval
         self.limits = 0.0, stiffness_limit
-        self.store = Store(folder)
+        self.store = ResultFolder(folder)
         self._working: TemporaryDirectory[str] | None = None  # where runs are, once it is built
 
     # ---- results

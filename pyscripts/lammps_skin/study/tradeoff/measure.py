@@ -22,7 +22,7 @@ from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.study.result_keys import file_hash, physics, result_key
 from lammps_skin.study.tradeoff.grid import REFERENCE, Variant, variant
-from lammps_skin.study.tradeoff.store import VERSION, EndState, Store, Timing
+from lammps_skin.study.tradeoff.store import VERSION, EndState, ResultFolder, Timing
 
 FINEST = "finest"  # the variant that stands for the truth
 FINER = 16  # how many times its timestep is shorter than that of the reference
@@ -60,7 +60,7 @@ class Measurements:
         self.scene = scene
         self.interval = interval
         self._given = None if start is None else restart_of(start, scene)
-        self.store = Store(folder)
+        self.store = ResultFolder(folder)
 
     @cached_property
     def state(self) -> Path:

@@ -56,7 +56,7 @@ class Timing(NamedTuple):
     problem: str = ""
 
 
-class Store:
+class ResultFolder:
     """A folder of results; a file that is there is complete."""
 
     def __init__(self, folder: Path) -> None:
