@@ -6,24 +6,13 @@
 #include "atom.h"
 #include "comm.h"
 #include "domain.h"
-#include "error.h"
-#include "input.h"
 #include "memory.h"
-#include "modify.h"
 #include "neighbor.h"
-#include "platform.h"
 #include "update.h"
-#include "utils.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstring>
-#include <string>
-#include <sys/stat.h>
 
 using namespace LAMMPS_NS;
-
-static constexpr int MAXLINE = 1024;
 
 /* ---------------------------------------------------------------------- */
 
@@ -42,40 +31,6 @@ void FixSkinCells::copy_arrays(int i, int j, int /*delflag*/)
 }
 
 /* ----------------------------------------------------------------------
-   title of the section of a data file that says the state of atoms that are now added; empty if
-   none is named
-------------------------------------------------------------------------- */
-
-std::string FixSkinCells::section_that_is_read() const
-{
-  if (std::strcmp(input->command, "read_data") != 0) return "";
-  for (int k = 0; k + 3 < input->narg; k++) {
-    if (std::strcmp(input->arg[k], "fix") != 0) continue;
-    const Fix *const fix = modify->get_fix_by_id(input->arg[k + 1]);
-    if (fix && utils::strmatch(fix->style, "^property/atom")) return input->arg[k + 3];
-  }
-  return "";
-}
-
-/* ----------------------------------------------------------------------
-   whether a data file has a section, which LAMMPS does not mind if it has not
-------------------------------------------------------------------------- */
-
-static bool has_section(const std::string &path, const std::string &title)
-{
-  const bool packed = platform::has_compress_extension(path);
-  FILE *const file = packed ? platform::compressed_read(path) : fopen(path.c_str(), "r");
-  if (!file) return true;    // LAMMPS has read it
-  char line[MAXLINE];
-  bool found = false;
-  while (!found && fgets(line, MAXLINE, file))
-    found = utils::trim(utils::trim_comment(line)) == title;
-  if (packed) platform::pclose(file);
-  else fclose(file);
-  return found;
-}
-
-/* ----------------------------------------------------------------------
    a new atom; fix property/atom leaves it what its place in the arrays had before, unless its state
    has just been read
 ------------------------------------------------------------------------- */
@@ -83,28 +38,9 @@ static bool has_section(const std::string &path, const std::string &title)
 void FixSkinCells::set_arrays(int i)
 {
   set_row(i, nullptr);
-  if (!state.refresh(atom).empty()) return;
-  const std::string section = section_that_is_read();
-  if (section.empty()) state.clear(i);
-  else if (kinds.of_type(atom->type[i]) != NONE) check_section(i, section);
-}
-
-/* ----------------------------------------------------------------------
-   a cell whose state should have been read; a file is looked at once, unless it has changed
-------------------------------------------------------------------------- */
-
-void FixSkinCells::check_section(int i, const std::string &section)
-{
-  const std::string path = input->arg[0];
-  struct stat now = {};
-  stat(path.c_str(), &now);
-  const std::string looked = fmt::format("{} {} {} {}.{}", path, section, now.st_size,
-                                         now.st_mtim.tv_sec, now.st_mtim.tv_nsec);
-  if (looked == looked_at) return;
-  if (!has_section(path, section))
-    error->one(FLERR, "Fix skin/cells: data file {} has no section {}, from which read_data was to "
-               "take the state of cell {}", path, section, atom->tag[i]);
-  looked_at = looked;
+  if (!cells.state.refresh(atom).empty()) return;
+  if (state_section.title().empty()) cells.state.clear(i);
+  else if (cells.kinds.of_type(atom->type[i]) != SkinCells::NONE) state_section.check(atom->tag[i]);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -138,7 +74,7 @@ void FixSkinCells::set_row(int i, const double *values)
 
 void FixSkinCells::setup_pre_neighbor()
 {
-  setup_time = time_of_step(update->ntimestep);
+  cells.clock.begin();
   pre_neighbor();
 }
 
@@ -149,14 +85,27 @@ void FixSkinCells::setup_pre_neighbor()
 
 void FixSkinCells::pre_neighbor()
 {
-  refresh_state();
+  cells.find_state();
   end_widowed_pairs();
   for (int i = 0; i < atom->nlocal; i++) {
-    if (kind_of(i) == NONE) continue;
+    if (cells.kind_of(i) == SkinCells::NONE) continue;
     start_created_cell(i);
-    if (state.pair[i]) hide(i, state.pair[i]);
+    if (cells.state.pair[i]) pairs.hide_partner(i);
   }
   list_cells();
+}
+
+/* ----------------------------------------------------------------------
+   a pair of which another command has removed a cell is over
+------------------------------------------------------------------------- */
+
+void FixSkinCells::end_widowed_pairs()
+{
+  for (const SkinCellEvent &end : pairs.widowed()) {
+    lineage.write(end, "division_end", end.id, end.other, "partner_removed");
+    pairs.dissolve(end);
+  }
+  lineage.log.flush();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -172,17 +121,17 @@ void FixSkinCells::min_pre_neighbor()
 
 void FixSkinCells::start_created_cell(int i)
 {
-  const bool divides = kinds[kind_of(i)].divides();
+  SkinCellState &state = cells.state;
   const bool all_zero = state.all_zero(i);
   if (all_zero) {
-    check_cell(i);
+    cells.check(i, lineage.next_id);
     state.next_division[i] = SkinCellState::NEVER;
-    state.birth_time[i] = now();
+    state.birth_time[i] = cells.clock.now();
   }
-  const bool unscheduled = divides && state.next_division[i] < 0.0;
+  const bool unscheduled = cells.row_of(i).divides() && state.next_division[i] < 0.0;
   if ((all_zero || unscheduled) && state.detached_time[i] == 0.0)
     state.detached_time[i] = SkinCellState::NEVER;
-  if (unscheduled) schedule_first(i);
+  if (unscheduled) divisions.schedule_first(i);
 }
 
 /* ----------------------------------------------------------------------
@@ -192,18 +141,14 @@ void FixSkinCells::start_created_cell(int i)
 
 void FixSkinCells::list_cells()
 {
-  cells.clear();
+  cells.list.clear();
   for (int i = 0; i < atom->nlocal; i++) {
-    if (kind_of(i) != NONE) cells.push_back(i);
+    if (cells.kind_of(i) != SkinCells::NONE) cells.list.push_back(i);
     else set_row(i, nullptr);
   }
   rearranged = false;
-  parted.assign(cells.size(), 0);
-
-  nearest.clear_candidates();
-  if (cells.empty()) return;
-  nearest.bin(atom, membrane_type);
-  for (int i : cells) nearest.add_candidates(atom->x[i], neighbor->skin);
+  parted.assign(cells.list.size(), 0);
+  attachment.list_candidates();
 }
 
 /* ----------------------------------------------------------------------

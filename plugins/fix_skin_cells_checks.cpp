@@ -1,4 +1,4 @@
-// state and settings with which cells cannot be, in fix skin/cells
+// settings, commands and other fixes with which fix skin/cells does not work
 
 #include "fix_skin_cells.h"
 
@@ -6,55 +6,41 @@
 #include "comm.h"
 #include "domain.h"
 #include "error.h"
+#include "force.h"
 #include "group.h"
 #include "input.h"
 #include "modify.h"
 #include "neighbor.h"
 #include "update.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <utility>
 
 using namespace LAMMPS_NS;
 
-/* ----------------------------------------------------------------------
-   what a cell says of itself
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
-void FixSkinCells::check_cell(int i) const
+void FixSkinCells::check_settings() const
 {
-  const int kind = kind_of(i);
-  const int m = state.divisions_left[i];
-  if (kind == NONE) return;
-
-  if (m < 0 || (kinds[kind].limited() && m == 0) || (kinds[kind].spent && m != 0))
-    error->one(FLERR, "Fix skin/cells: cell {} is of kind {} and has {} divisions left",
-               atom->tag[i], kinds[kind].name, m);
-  if (state.pair[i] == atom->tag[i] || state.pair[i] < 0 || state.pair[i] >= next_id)
-    error->one(FLERR, "Fix skin/cells: cell {} is paired with {}, which is no other cell",
-               atom->tag[i], state.pair[i]);
-
-  for (const int *bonus : {atom->ellipsoid, atom->line, atom->tri, atom->body})
-    if (bonus && bonus[i] >= 0)
-      error->one(FLERR, "Fix skin/cells: cell {} is an ellipsoid, a line, a triangle or a body, "
-                 "which cannot divide", atom->tag[i]);
-  if (state.parent[i] == atom->tag[i])
-    error->one(FLERR, "Fix skin/cells: parent = {} of cell {} must be another cell, or 0 for none",
-               state.parent[i], atom->tag[i]);
-  for (const auto &[name, value] : {std::pair{"divisions_done", state.divisions_done[i]},
-                                    std::pair{"parent", state.parent[i]}})
-    if (value < 0)
-      error->one(FLERR, "Fix skin/cells: {} = {} of cell {} must be >= 0", name, value,
-                 atom->tag[i]);
-  for (const auto &[name, value] : {std::pair{"next_division", state.next_division[i]},
-                                    std::pair{"birth_time", state.birth_time[i]},
-                                    std::pair{"pair_start", state.pair_start[i]},
-                                    std::pair{"detached_time", state.detached_time[i]}})
-    if (!std::isfinite(value))
-      error->one(FLERR, "Fix skin/cells: {} = {} of cell {} must be finite", name, value,
-                 atom->tag[i]);
+  if (!force->newton) error->all(FLERR, "Fix skin/cells needs newton on");
+  if (atom->molecular != Atom::MOLECULAR || atom->maxspecial < 1)
+    error->all(FLERR, "Fix skin/cells needs an atom style with bonds, such as molecular");
+  if (force->special_lj[1] != 0.0 || force->special_coul[1] != 0.0)
+    error->all(FLERR, "Fix skin/cells needs special_bonds with weights 0.0 of 1-2 neighbors, or "
+               "the two cells of a dividing pair would exclude each other; it got {} and {}",
+               force->special_lj[1], force->special_coul[1]);
+  if (atom->map_style == Atom::MAP_NONE) error->all(FLERR, "Fix skin/cells needs an atom map");
+  if (domain->zperiodic || domain->boundary[2][1] != 1)
+    error->all(FLERR, "Fix skin/cells removes cells through the top of the box: "
+               "it needs boundary p p f");
+  if (neighbor->every != 1 || neighbor->delay != 0 || neighbor->dist_check != 1 ||
+      neighbor->build_once)
+    error->all(FLERR, "Fix skin/cells needs neigh_modify every 1 delay 0 check yes once no, or the "
+               "nearest membrane particle would not be exact; it got every {} delay {} check {} "
+               "once {}", neighbor->every, neighbor->delay, neighbor->dist_check ? "yes" : "no",
+               neighbor->build_once ? "yes" : "no");
+  if (neighbor->includegroup)
+    error->all(FLERR, "Fix skin/cells does not work with neigh_modify include: lists would not be "
+               "built anew when the membrane moves");
 }
 
 /* ----------------------------------------------------------------------
@@ -76,43 +62,16 @@ void FixSkinCells::check_others() const
     if (!fix->rigid_flag && !fix->time_integrate) continue;
     int mine = 0, any;
     for (int i = 0; i < atom->nlocal; i++)
-      if (kind_of(i) != NONE && (atom->mask[i] & fix->groupbit)) mine = 1;
+      if (cells.kind_of(i) != SkinCells::NONE && (atom->mask[i] & fix->groupbit)) mine = 1;
     MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
     if (!any) continue;
     if (fix->rigid_flag)
       error->all(FLERR, "Fix skin/cells: cells cannot divide in the rigid bodies of fix {}",
                  fix->id);
-    const int known = 1 | groupbit | inherited_groups;
+    const int known = 1 | groupbit | divisions.inherited_groups;
     if (!(fix->groupbit & known) && !group->dynamic[fix->igroup] && comm->me == 0)
       error->warning(FLERR, "Fix skin/cells: daughters will not be in the group {} of fix {}, "
                      "which moves some of the cells: if they should, use inherit {}",
                      group->names[fix->igroup], fix->id, group->names[fix->igroup]);
   }
-}
-
-/* ----------------------------------------------------------------------
-   how far ghost atoms reach; LAMMPS has it in fractions of a triclinic box
-------------------------------------------------------------------------- */
-
-double FixSkinCells::ghost_cutoff() const
-{
-  const double *const cutoff = comm->cutghost;
-  if (domain->triclinic) return cutoff[2] * domain->prd[2];
-  return std::min({cutoff[0], cutoff[1], cutoff[2]});
-}
-
-/* ----------------------------------------------------------------------
-   ghost particles must reach far enough to hold the nearest membrane particle of any cell
-   that is not yet detached, now and until the next neighbor build
-------------------------------------------------------------------------- */
-
-void FixSkinCells::check_reach() const
-{
-  const double reach = kinds.longest_range() * contact + 2.0 * neighbor->skin;
-  if (comm->mode != Comm::SINGLE)
-    error->all(FLERR, "Fix skin/cells needs one communication cutoff for all types: use "
-               "comm_modify mode single");
-  if (ghost_cutoff() < reach)
-    error->all(FLERR, "Fix skin/cells needs a communication cutoff of at least {} but has {}: use "
-               "comm_modify cutoff", reach, ghost_cutoff());
 }

@@ -2,8 +2,6 @@
 
 #include "fix_skin_cells.h"
 
-#include "skin_random.h"
-
 #include "atom.h"
 #include "domain.h"
 #include "error.h"
@@ -21,7 +19,7 @@ using namespace LAMMPS_NS;
 
 void FixSkinCells::intervene()
 {
-  for (const SkinInterventions::Due &due : interventions.due(now())) {
+  for (const SkinInterventions::Due &due : interventions.due(cells.clock.now())) {
     migrate(true);
     pre_neighbor();
     switch (due.what->action) {
@@ -30,9 +28,9 @@ void FixSkinCells::intervene()
       case SkinIntervention::ADD: add_cells(due); break;
       case SkinIntervention::CHANGE: log_change(due); break;
     }
-    log.flush();
+    lineage.log.flush();
   }
-  interventions.pass(now());
+  interventions.pass(cells.clock.now());
 }
 
 /* ----------------------------------------------------------------------
@@ -42,8 +40,8 @@ void FixSkinCells::intervene()
 std::vector<int> FixSkinCells::concerned(const SkinInterventions::Due &due) const
 {
   std::vector<int> found;
-  for (int i : cells)
-    if (interventions.concerns(due, seed, kind_of(i), atom->tag[i], atom->x[i]))
+  for (int i : cells.list)
+    if (interventions.concerns(due, divisions.seed, cells.kind_of(i), atom->tag[i], atom->x[i]))
       found.push_back(i);
   return found;
 }
@@ -53,26 +51,24 @@ std::vector<int> FixSkinCells::concerned(const SkinInterventions::Due &due) cons
 void FixSkinCells::remove_cells(const SkinInterventions::Due &due)
 {
   std::vector<SkinCellEvent> removals;
-  for (int i : concerned(due)) {
-    removals.push_back(death_of(i));
-    removals.back().time = now();
-  }
+  for (int i : concerned(due))
+    removals.push_back(cells.event(i, SkinCellEvent::DEATH, cells.clock.now()));
   removals = SkinCellEvent::gather(removals, world);
   if (removals.empty()) return;
-  const std::vector<SkinCellEvent> ends = SkinCellEvent::gather(pairs_ended_by(removals), world);
+  const std::vector<SkinCellEvent> ends = SkinCellEvent::gather(pairs.ended_by(removals), world);
 
   for (const SkinCellEvent &event : removals) {
-    log_event(event, "removal", event.id, event.parent, due.what->name);
+    lineage.write(event, "removal", event.id, event.parent, due.what->name);
     remove(event);
   }
   std::set<tagint> dissolved;
   for (const SkinCellEvent &event : ends)
     if (dissolved.insert(event.id).second) {
-      dissolve(event, have_bond(event.id, event.other));
-      log_event(event, "division_end", event.id, event.other, "partner_removed");
+      pairs.dissolve(event);
+      lineage.write(event, "division_end", event.id, event.other, "partner_removed");
     }
   atom->natoms -= (bigint) removals.size();
-  known_atoms -= (bigint) removals.size();
+  cells.known_atoms -= (bigint) removals.size();
   migrate(false);
 }
 
@@ -82,47 +78,42 @@ void FixSkinCells::remove_cells(const SkinInterventions::Due &due)
 
 void FixSkinCells::convert_cells(const SkinInterventions::Due &due)
 {
-  const SkinCellKinds::Stage stage = kinds.enter(due.what->to);
-  const SkinCellKind &kind = kinds[stage.kind];
+  const SkinCellKinds::Stage stage = cells.kinds.enter(due.what->to);
   std::vector<SkinCellEvent> conversions;
   for (int i : concerned(due)) {
-    if (kind_of(i) == stage.kind) continue;
-    atom->type[i] = kind.type;
-    state.divisions_left[i] = stage.divisions_left;
-    state.detached_time[i] = SkinCellState::NEVER;
-    state.next_division[i] = SkinCellState::NEVER;
-    if (kind.divides())
-      state.next_division[i] =
-          now() + wait(kind, atom->tag[i], due.key(), SkinRandom::CONVERTED_WAIT);
-    conversions.push_back(death_of(i));
-    conversions.back().time = now();
+    if (cells.kind_of(i) == stage.kind) continue;
+    atom->type[i] = cells.kinds[stage.kind].type;
+    cells.state.divisions_left[i] = stage.divisions_left;
+    cells.state.detached_time[i] = SkinCellState::NEVER;
+    divisions.schedule_converted(i, due.key());
+    conversions.push_back(cells.event(i, SkinCellEvent::DEATH, cells.clock.now()));
   }
   for (const SkinCellEvent &event : SkinCellEvent::gather(conversions, world))
-    log_event(event, "conversion", event.id, event.parent, due.what->name);
+    lineage.write(event, "conversion", event.id, event.parent, due.what->name);
 }
 
 /* ---------------------------------------------------------------------- */
 
 void FixSkinCells::add_cells(const SkinInterventions::Due &due)
 {
-  const SkinCellKinds::Stage stage = kinds.enter(due.what->to);
+  const SkinCellKinds::Stage stage = cells.kinds.enter(due.what->to);
   atom->nghost = 0;
-  skip_used_ids();
+  lineage.skip_used_ids();
   for (const SkinIntervention::Place &place : due.what->places) {
     SkinCellEvent event = {};
-    event.time = now();
+    event.time = cells.clock.now();
     event.cell = stage;
     std::copy(place.x, place.x + 3, event.x);
     domain->remap(event.x);
     if (place.on_membrane) event.x[2] = height_on_membrane(event.x, due.what->name);
     check_room(event.x, due.what->name);
-    event.id = new_id();
-    lammps_create_atoms(lmp, 1, &event.id, &kinds[stage.kind].type, event.x, nullptr, nullptr, 0);
-    refresh_state();
-    const int i = owned_index(event.id);
+    event.id = lineage.new_id();
+    lammps_create_atoms(lmp, 1, &event.id, &cells.kinds[stage.kind].type, event.x, nullptr, nullptr, 0);
+    cells.find_state();
+    const int i = cells.owned_index(event.id);
     if (i >= 0) start_added_cell(i, stage);
-    log_event(event, "addition", event.id, 0, due.what->name);
-    known_atoms++;
+    lineage.write(event, "addition", event.id, 0, due.what->name);
+    cells.known_atoms++;
   }
 }
 
@@ -133,7 +124,7 @@ void FixSkinCells::add_cells(const SkinInterventions::Due &due)
 void FixSkinCells::log_change(const SkinInterventions::Due &due)
 {
   const double nowhere[3] = {};
-  log.write(now(), "change", 0, 0, 0, nowhere, 0, due.what->name.c_str());
+  lineage.log.write(cells.clock.now(), "change", 0, 0, 0, nowhere, 0, due.what->name.c_str());
 }
 
 /* ----------------------------------------------------------------------
@@ -142,13 +133,14 @@ void FixSkinCells::log_change(const SkinInterventions::Due &due)
 
 void FixSkinCells::start_added_cell(int i, const SkinCellKinds::Stage &stage)
 {
+  SkinCellState &state = cells.state;
   atom->mask[i] |= groupbit;
   state.clear(i);
   state.divisions_left[i] = stage.divisions_left;
   state.next_division[i] = SkinCellState::NEVER;
-  state.birth_time[i] = now();
+  state.birth_time[i] = cells.clock.now();
   state.detached_time[i] = SkinCellState::NEVER;
-  if (kinds[stage.kind].divides()) schedule_first(i);
+  if (cells.row_of(i).divides()) divisions.schedule_first(i);
 }
 
 /* ----------------------------------------------------------------------
@@ -157,9 +149,10 @@ void FixSkinCells::start_added_cell(int i, const SkinCellKinds::Stage &stage)
 
 double FixSkinCells::height_on_membrane(const double *place, const std::string &name) const
 {
+  const double contact = attachment.contact;
   double height = -INFINITY, height_all;
   for (int i = 0; i < atom->nlocal; i++) {
-    if (atom->type[i] != membrane_type) continue;
+    if (atom->type[i] != attachment.membrane_type) continue;
     double delta[3] = {place[0] - atom->x[i][0], place[1] - atom->x[i][1], 0.0};
     domain->minimum_image(FLERR, delta);
     const double rest = contact * contact - delta[0] * delta[0] - delta[1] * delta[1];
@@ -184,8 +177,8 @@ void FixSkinCells::check_room(const double *place, const std::string &name) cons
 
   double closest[2] = {INFINITY, INFINITY}, closest_all[2];    // cell, membrane particle
   for (int i = 0; i < atom->nlocal; i++) {
-    const bool membrane = atom->type[i] == membrane_type;
-    if (!membrane && kind_of(i) == NONE) continue;
+    const bool membrane = atom->type[i] == attachment.membrane_type;
+    if (!membrane && cells.kind_of(i) == SkinCells::NONE) continue;
     double delta[3];
     for (int d = 0; d < 3; d++) delta[d] = place[d] - atom->x[i][d];
     domain->minimum_image(FLERR, delta);
@@ -195,7 +188,7 @@ void FixSkinCells::check_room(const double *place, const std::string &name) cons
   MPI_Allreduce(closest, closest_all, 2, MPI_DOUBLE, MPI_MIN, world);
 
   static const char *const what[2] = {"another cell", "a membrane particle"};
-  const double least[2] = {spring_end, contact};
+  const double least[2] = {pairs.full_length(), attachment.contact};
   for (int k = 0; k < 2; k++)
     if (closest_all[k] < least[k] * (1.0 - 1.0e-9))
       error->all(FLERR, "Fix skin/cells intervene {}: a cell at {} {} {} would be {} from {}, must "

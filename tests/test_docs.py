@@ -245,7 +245,7 @@ def test_output_of_the_fix() -> None:
     heading = "Restart, fix_modify, output, run start/stop, minimize info"
     markdown = section("fix_skin_cells.md", heading)
     code = text("plugins/fix_skin_cells.cpp")
-    more = re.search(r"size_vector = NTERMS \+ (\d+) \+ kinds.size\(\)", code)
+    more = re.search(r"size_vector = NTERMS \+ (\d+) \+ cells.kinds.size\(\)", code)
     columns = re.search(r"NCOLUMNS = (\d+)", text("plugins/fix_skin_cells.h"))
     assert more
     assert columns
@@ -266,7 +266,7 @@ def test_event_log() -> None:
     told = {tuple(codes(" ".join(row[:2]))) for row in rows(markdown) if len(row) == 3}
     parts = "events", "interventions"
     code = "".join(text(f"plugins/fix_skin_cells_{part}.cpp") for part in parts)
-    calls = re.findall(r"log(?:_event|\.write)\(.*?;", code, re.DOTALL)
+    calls = re.findall(r"lineage\.(?:write|log\.write)\(.*?;", code, re.DOTALL)
     assert {word for pair in told for word in pair} == set(re.findall(r'"(\w+)"', "".join(calls)))
 
 
