@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -211,6 +212,12 @@ def test_kinds_are_those_of_their_labels(scene: Scene, parent: Path) -> None:
         origin.numbered_in(with_kinds("one"), kinds)
 
 
+def test_a_pipe_is_no_run(scene: Scene, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(SceneError, match="there is no such run directory or trajectory"):
+        Configuration.from_scene(begun(scene, tmp_path / "pipe"))
+
+
 def test_keys_that_need_a_run() -> None:
     for key, value in {"time": 3.0, "content": "x", "versions": "x"}.items():
         with pytest.raises(SceneError, match=rf"start\.{key} = .*: needs start\.from"):
@@ -223,3 +230,23 @@ def test_a_run_does_not_begin_in_the_directory_of_its_parent(scene: Scene, paren
     for run in (parent, parent / "skin.h5"):
         with pytest.raises(SceneError, match="is that of the run from which the scene begins"):
             build(begun(scene, run), parent)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", ["balanced", "fast"])
+def test_a_quarter_scene(level: str, tmp_path: Path) -> None:
+    """Many cells on a membrane over its dermis: forks on one rank and on two, events and frames."""
+    changes: dict[str, Any] = {
+        "numerics.accuracy": level, "end_time": 100.0, "output.dump_interval": 20.0,
+        "cells.cycle_delay": 6.0, "cells.cycle_rate": 0.3, "cells.first_phase": 8.0,
+    }  # fmt: skip
+    scene = Scene.load("quarter-ring").replace(**changes)
+    parent = run_in(tmp_path / "parent", scene)
+    assert len(rows(parent)) > 500
+    later = [frame for frame in Store(parent / "skin.h5") if frame.time >= 60.0]
+    for ranks in (1, 2):
+        fork = run_in(tmp_path / f"fork-{ranks}", begun(scene, parent, 60.0), ranks)
+        mine = rows(fork)
+        assert len(mine) > 200 and mine == rows(parent)[-len(mine) :]
+        frames = Store(fork / "skin.h5")
+        assert all(same(*pair) for pair in zip(frames, later, strict=True))

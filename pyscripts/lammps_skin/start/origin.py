@@ -143,7 +143,7 @@ def frame_of(run: str | Path, time: float | None) -> tuple[Frame, Ints, Ints, Or
 
 
 def _opened(run: Path) -> Store | Dump:
-    if not run.exists():
+    if not (run.is_dir() or run.is_file()):  # nor a pipe, which may never end
         raise SceneError(f"start.from = {str(run)!r}: there is no such run directory or trajectory")
     return open_frames(run)
 
