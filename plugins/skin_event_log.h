@@ -1,4 +1,4 @@
-// events.csv: one line for each birth, death and end of a division, in the order of their times.
+// events.csv: one line for each event, such as a birth, in the order of their times.
 
 #ifndef LMP_SKIN_EVENT_LOG_H
 #define LMP_SKIN_EVENT_LOG_H

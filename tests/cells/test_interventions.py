@@ -235,14 +235,21 @@ def whole(busy: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
         "birth", "death", "division_end", "removal", "addition", "conversion", "change"
     }  # fmt: skip
     assert len(of_kind(events, "change")) == 1
+    ended = [event.id for event in of_kind(events, "division_end")]
+    assert len(ended) == len(set(ended))
     times = [event.time for event in events]
     assert times == sorted(times)
     return directory
 
 
-def test_two_ranks_do_the_same(busy: Scene, whole: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "box", ["", "change_box all triclinic\ncomm_style tiled\nbalance 1.0 rcb\n"], ids=["", "tiled"]
+)
+def test_two_ranks_do_the_same(box: str, whole: Path, tmp_path: Path) -> None:
     shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
     (tmp_path / "events.csv").unlink()
+    path = tmp_path / "output.in"
+    path.write_text(path.read_text() + box)
     assert lmp(tmp_path, ranks=2).returncode == 0
     assert (tmp_path / "events.csv").read_bytes() == (whole / "events.csv").read_bytes()
 
