@@ -16,7 +16,7 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import shown
 from lammps_skin.start import lattice
 from lammps_skin.trajectory.dump import Dump
-from lammps_skin.trajectory.frame import Frame
+from lammps_skin.trajectory.frame import ABSENT, Frame
 from lammps_skin.trajectory.frames import nearest_frame, open_frames
 from lammps_skin.trajectory.store import Store
 
@@ -124,6 +124,11 @@ def frame_of(run: str | Path, time: float | None) -> tuple[Frame, Ints, Ints, Or
     """
     trajectory = _opened(Path(run))
     frame = trajectory[_place(trajectory, run, time)]
+    if frame.next_id == ABSENT:
+        raise SceneError(
+            f"start.from = {str(run)!r}: its trajectory is of an older version, which did not keep "
+            "all of the state of cells; run it again"
+        )
     nx, ny = trajectory.scene.membrane.lattice
     members = np.flatnonzero(frame.kinds == Kind.MEMBRANE)
     links, hinges = lattice.links_and_hinges((nx, ny))

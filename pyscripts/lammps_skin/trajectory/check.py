@@ -19,7 +19,7 @@ from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import DamagedError, SkinError, reading
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
-from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Frame
+from lammps_skin.trajectory.frame import ABSENT, ADDED, CELL_STATE, WHOLE, Frame
 from lammps_skin.trajectory.hdf5 import open_hdf5
 
 GROUP = "particles/trajectory"
@@ -107,9 +107,11 @@ class _Checked:
         slots = self._slots()
         frames = len(steps)
         values = {"edges": self._dataset(f"{GROUP}/box/edges/value", "f", (frames, 3))}
-        values["next_id"] = self._dataset(f"{NEXT_ID}/value", "i", (frames,))
+        values["next_id"] = self._dataset(f"{NEXT_ID}/value", "i", (frames,), ABSENT)
         for name, (kind, inner) in ELEMENTS.items():
-            values[name] = self._dataset(f"{GROUP}/{name}/value", kind, (frames, slots, *inner))
+            absent = CELL_STATE[name] if name in ADDED else None
+            shape = (frames, slots, *inner)
+            values[name] = self._dataset(f"{GROUP}/{name}/value", kind, shape, absent)
         scene = self._scene()
         members = {name: self._members(name, width) for name, width in MEMBERS.items()}
         return Headers(
@@ -163,8 +165,15 @@ class _Checked:
             raise self._wrong("its seed is no whole number")
         return int(seed)
 
-    def _dataset(self, name: str, kind: str, shape: tuple[int | None, ...]) -> Any:
-        """A dataset that lies in this file, of a kind of numbers and a shape; None is any size."""
+    def _dataset(
+        self, name: str, kind: str, shape: tuple[int | None, ...], absent: float | None = None
+    ) -> Any:
+        """A dataset that lies in this file, of a kind of numbers and a shape; None is any size.
+
+        If the file may lack it and does, an array of the number `absent`.
+        """
+        if absent is not None and name.rsplit("/", 1)[0] not in self._file:
+            return np.broadcast_to(np.array(absent, kind + "8"), [size or 0 for size in shape])
         dataset = self._followed(name)
         if not isinstance(dataset, h5py.Dataset):
             raise self._wrong(f"{name} is no dataset")
@@ -246,7 +255,7 @@ def _reasons(
         yield f"the position of particle {ids[finite.all(axis=1).argmin()]} is not finite"
     if not (np.isfinite(frame.edges).all() and (frame.edges > 0).all()):
         yield f"the box has the sides {frame.edges.tolist()}"
-    if frame.next_id <= ids.max():
+    if frame.next_id != ABSENT and frame.next_id <= ids.max():
         yield f"the next id is {frame.next_id}, and there is particle {ids.max()}"
     membrane = ids[frame.kinds == Kind.MEMBRANE]
     if not len(membrane):
@@ -257,6 +266,8 @@ def _reasons(
     cells = ids[places]
     for name, values in frame.state.items():
         column = values[places]
+        if name in ADDED and np.array_equal(column, np.full_like(column, CELL_STATE[name]), True):
+            continue
         right = np.isfinite(column) if name not in WHOLE else (column >= 0) & (column <= INTEGER)
         if name == "partner":
             right = (column == 0) | np.isin(column, membrane)

@@ -25,6 +25,7 @@ CELL_STATE: dict[str, float] = {
     "pair_start": np.nan,
     "detached_time": np.nan,
 }
+ADDED = ("divisions_done", "pair_start", "detached_time")  # older files lack them
 WHOLE = tuple(name for name, fill in CELL_STATE.items() if fill == ABSENT)
 
 
@@ -45,7 +46,8 @@ class Frame:
     state : dict of (n,) arrays
         The names in `CELL_STATE`; the values given there for particles that are no cells.
     next_id : int
-        The ID that the next newborn gets, above all that were ever given out.
+        The ID that the next newborn gets, above all that were ever given out; `ABSENT` in files
+        that do not tell.
     """
 
     step: int

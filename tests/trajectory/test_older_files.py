@@ -1,0 +1,41 @@
+"""Files without the elements that were added later are read; no run can begin with them."""
+
+from __future__ import annotations
+
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+from lammps_skin import Configuration, SceneError, open_trajectory
+from lammps_skin.analysis.observables import observables
+from lammps_skin.trajectory.check import NEXT_ID
+from lammps_skin.trajectory.frame import ABSENT, ADDED
+from lammps_skin.trajectory.store import Store
+
+
+@pytest.fixture
+def older(run, tmp_path):
+    path = tmp_path / "skin.h5"
+    shutil.copyfile(run.driven / "skin.h5", path)
+    with h5py.File(path, "r+") as file:
+        for name in (*(f"particles/trajectory/{name}" for name in ADDED), NEXT_ID):
+            del file[name]
+    return path
+
+
+def test_what_they_hold_is_read_and_what_they_lack_is_absent(run, older):
+    for old, new in zip(Store(older), Store(run.driven / "skin.h5"), strict=True):
+        assert np.array_equal(old.positions, new.positions)
+        assert np.array_equal(old.state["next_division"], new.state["next_division"], True)
+        assert (old.state["divisions_done"] == ABSENT).all()
+        assert np.isnan(old.state["pair_start"]).all()
+        assert old.next_id == ABSENT
+    before = observables(run.driven)
+    assert np.array_equal(observables(older)["zeta"], before["zeta"], True)
+    assert len(open_trajectory(older).trajectory) == len(before)
+
+
+def test_no_run_begins_with_them(older):
+    with pytest.raises(SceneError, match="is of an older version, which did not keep all of"):
+        Configuration.from_run(older)
