@@ -1,11 +1,9 @@
-// Link of a membrane: repulsive below d2, harmonic to x = 1, then a line that a singularity at
-// x = 1 + d2 ends, x = distance / contact length.
+// Links of a membrane: coefficients, files, and links that are too long. Their law stands in
+// skin_stretch_forces.cpp.
 
 #include "bond_skin_stretch.h"
 
-#include "skin_quad.h"
 #include "skin_remedy.h"
-#include "skin_vector.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -40,111 +38,6 @@ BondSkinStretch::~BondSkinStretch()
   }
 }
 
-/* ----------------------------------------------------------------------
-   -dE/dr / r of links with these squared lengths; adds to beyond what are at their singular length
-   or beyond, or of no length
-------------------------------------------------------------------------- */
-
-template <class T> SKIN_INLINE T slope_of(const T &rsq, const double *coeff, T &beyond)
-{
-  const double d2 = coeff[3], per_contact = 1.0 / coeff[1], per_d2 = 1.0 / d2;
-  const double stiffness = coeff[0] * per_contact;
-  const double spring = coeff[4] * coeff[2] * per_d2 * per_d2;
-  const T zero = {}, one = zero + 1.0, rest = zero + d2;
-  const T r = root(rsq), s = r * per_contact;
-
-  // argument of phi: shrinks towards both ends, 1 in between, where phi has no slope
-
-  const T above = larger<T>(s - 1.0, zero);
-  const T between = smaller<T>(larger<T>(s, rest), one) - d2;
-  const T argument = (smaller<T>(s, rest) - above) * per_d2;
-
-  // one division for both 1 / argument and 1 / r
-
-  const T reciprocal = 1.0 / (argument * r);
-  const T inverse = reciprocal * r;
-  const T inv3 = inverse * inverse * inverse, inv6 = inv3 * inv3;
-  const T wall = (inv6 - inv6 * inv6) * inverse * per_d2;
-
-  beyond += argument > zero ? zero : one;
-  return -stiffness * (spring * between + (above > zero ? -wall : wall)) *
-      (reciprocal * argument);
-}
-
-/* ----------------------------------------------------------------------
-   forces on the second end by the first, which is this much away
-------------------------------------------------------------------------- */
-
-template <class T>
-SKIN_INLINE SkinPoint<T> force_of(const SkinPoint<T> &d, const double *coeff, T &beyond)
-{
-  return slope_of<T>(dot(d, d), coeff, beyond) * d;
-}
-
-/* ----------------------------------------------------------------------
-   forces of the three links of one triangle, or of four
-------------------------------------------------------------------------- */
-
-template <class T>
-SKIN_INLINE void pull(const SkinThreeLinks *triangle, const double *x, const double *coeff,
-                      double *f, T &beyond)
-{
-  const int *a = triangle->data(), *b = a + 1, *c = a + 2;
-  const SkinPoint<T> xa = load<T>(x, a, 3), xb = load<T>(x, b, 3), xc = load<T>(x, c, 3);
-  const SkinPoint<T> fab = force_of(xb - xa, coeff, beyond);
-  const SkinPoint<T> fbc = force_of(xc - xb, coeff, beyond);
-  const SkinPoint<T> fca = force_of(xa - xc, coeff, beyond);
-  add(f, a, 3, fca - fab);
-  add(f, b, 3, fab - fbc);
-  add(f, c, 3, fbc - fca);
-}
-
-/* ----------------------------------------------------------------------
-   forces of one link, or of four
-------------------------------------------------------------------------- */
-
-template <class T>
-SKIN_INLINE void pull(const SkinOneLink *link, const double *x, const double *coeff, double *f,
-                      T &beyond)
-{
-  const int *a = link->data(), *b = a + 1;
-  const SkinPoint<T> force = force_of(load<T>(x, b, 2) - load<T>(x, a, 2), coeff, beyond);
-  add(f, a, 2, SkinPoint<T>{} - force);
-  add(f, b, 2, force);
-}
-
-/* ----------------------------------------------------------------------
-   forces of all, four at a time; returns how many links are at their singular length or beyond
-------------------------------------------------------------------------- */
-
-template <class LINKS>
-SKIN_INLINE double pull_all(const std::vector<LINKS> &all, const double *x, const double *coeff,
-                            double *f)
-{
-  constexpr int AHEAD = 16;
-  const LINKS *const links = all.data();
-  const int n = (int) all.size();
-  SkinQuad four_beyond = {};
-  double beyond = 0.0;
-  int k = 0;
-  for (; k + 4 <= n; k += 4) {
-    const LINKS *const later = links + smaller(k + AHEAD, n - 4);
-    for (int m = 0; m < 4; m++) {
-      fetch(x, later[m][0]);
-      fetch(f, later[m][0]);
-    }
-    pull(links + k, x, coeff, f, four_beyond);
-  }
-  for (; k < n; k++) pull(links + k, x, coeff, f, beyond);
-  return beyond + sum(four_beyond);
-}
-
-SKIN_VECTOR static double pull_group(const SkinLinks::Group &group, const double *x,
-                                     const double *coeff, double *f)
-{
-  return pull_all(group.threes, x, coeff, f) + pull_all(group.ones, x, coeff, f);
-}
-
 /* ---------------------------------------------------------------------- */
 
 void BondSkinStretch::compute(int eflag, int vflag)
@@ -156,7 +49,7 @@ void BondSkinStretch::compute(int eflag, int vflag)
 
   double beyond = 0.0;
   for (int type = 1; type <= atom->nbondtypes; type++)
-    beyond += pull_group(links.of_type[type], atom->x[0], of_type(type).data(), atom->f[0]);
+    beyond += skin_stretch(links.of_type[type], atom->x[0], of_type(type), atom->f[0]);
   if (beyond > 0.0 && sparing) broken = true;
   if (beyond > 0.0 && !sparing)
     for (int n = 0; n < (int) links.all.size(); n++) overstretched(n);
@@ -171,40 +64,20 @@ void BondSkinStretch::tally()
     const double *xi = atom->x[i], *xj = atom->x[j];
     const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
     const double rsq = dx * dx + dy * dy + dz * dz;
-    double beyond = 0.0;
-    const double fbond = slope_of<double>(rsq, of_type(type).data(), beyond);
-    const double e = eflag_either ? energy_of(type, sqrt(rsq)) : 0.0;
+    const SkinStretch c = of_type(type);
+    const double fbond = skin_stretch_slope(c, rsq);
+    const double e = eflag_either ? skin_stretch_energy(c, sqrt(rsq)) : 0.0;
     ev_tally(i, j, atom->nlocal, 1, e, fbond, dx, dy, dz);
   }
 }
 
 /* ---------------------------------------------------------------------- */
 
-BondSkinStretch::Coefficients BondSkinStretch::of_type(int type) const
+SkinStretch BondSkinStretch::of_type(int type) const
 {
-  Coefficients c;
+  SkinStretch c;
   for (int k = 0; k < NCOEFFS; k++) c[k] = coeffs[k][type];
   return c;
-}
-
-/* ---------------------------------------------------------------------- */
-
-double BondSkinStretch::energy_of(int type, double r) const
-{
-  const Coefficients c = of_type(type);
-  const double a2 = c[2], d2 = c[3], s = r / c[1];
-
-  double spring = 0.0, argument = 1.0;
-  if (s < d2) {
-    argument = s / d2;
-  } else if (s <= 1.0) {
-    spring = 0.5 * a2 * (s - d2) * (s - d2) / (d2 * d2);
-  } else {
-    spring = a2 * (1.0 - d2) / (d2 * d2) * (s - 0.5 * (1.0 + d2));
-    argument = (1.0 + d2 - s) / d2;
-  }
-  const double inv6 = pow(argument, -6.0);
-  return c[0] * (c[4] * spring + inv6 * inv6 / 12.0 - inv6 / 6.0);
 }
 
 /* ----------------------------------------------------------------------
@@ -215,18 +88,10 @@ double BondSkinStretch::energy_of(int type, double r) const
 void BondSkinStretch::add_stiffness(double *stiffness)
 {
   for (const auto &[i, j, type] : links.all) {
-    const Coefficients c = of_type(type);
     const double *const xi = atom->x[i], *const xj = atom->x[j];
     const double dx = xi[0] - xj[0], dy = xi[1] - xj[1], dz = xi[2] - xj[2];
-    const double d2 = c[3], s = sqrt(dx * dx + dy * dy + dz * dz) / c[1];
-
-    double second = c[4] * c[2];
-    if (s < d2 || s > 1.0) {
-      const double inverse = d2 / (s < d2 ? s : 1.0 + d2 - s), inv2 = inverse * inverse;
-      const double inv8 = inv2 * inv2 * inv2 * inv2;
-      second = 13.0 * inv8 * inv2 * inv2 * inv2 - 7.0 * inv8;
-    }
-    second *= 2.0 * c[0] / (d2 * d2 * c[1] * c[1]);
+    const double r = sqrt(dx * dx + dy * dy + dz * dz);
+    const double second = 2.0 * skin_stretch_curvature(of_type(type), r);
     stiffness[i] += second;
     stiffness[j] += second;
   }
@@ -266,7 +131,7 @@ double BondSkinStretch::length(int n) const
 
 double BondSkinStretch::singular(int n) const
 {
-  const Coefficients c = of_type(links.all[n][2]);
+  const SkinStretch c = of_type(links.all[n][2]);
   return c[1] * (1.0 + c[3]);
 }
 
@@ -357,7 +222,7 @@ double BondSkinStretch::equilibrium_distance(int i)
 void BondSkinStretch::write_restart(FILE *fp)
 {
   for (int i = 1; i <= atom->nbondtypes; i++) {
-    const Coefficients c = of_type(i);
+    const SkinStretch c = of_type(i);
     if (fwrite(c.data(), sizeof(double), NCOEFFS, fp) != NCOEFFS)
       error->one(FLERR, "Bond skin/stretch: cannot write to the restart file: {}",
                  utils::getsyserror());
@@ -371,7 +236,7 @@ void BondSkinStretch::read_restart(FILE *fp)
   allocate();
 
   for (int i = 1; i <= atom->nbondtypes; i++) {
-    Coefficients c;
+    SkinStretch c;
     if (comm->me == 0)
       utils::sfread(FLERR, c.data(), sizeof(double), NCOEFFS, fp, nullptr, error);
     MPI_Bcast(c.data(), NCOEFFS, MPI_DOUBLE, 0, world);
@@ -395,9 +260,9 @@ void BondSkinStretch::write_data(FILE *fp)
 
 double BondSkinStretch::single(int type, double rsq, int /*i*/, int /*j*/, double &fforce)
 {
-  double beyond = 0.0;
-  fforce = slope_of<double>(rsq, of_type(type).data(), beyond);
-  return energy_of(type, sqrt(rsq));
+  const SkinStretch c = of_type(type);
+  fforce = skin_stretch_slope(c, rsq);
+  return skin_stretch_energy(c, sqrt(rsq));
 }
 
 /* ----------------------------------------------------------------------

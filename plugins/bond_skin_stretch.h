@@ -5,8 +5,7 @@
 
 #include "skin_build.h"
 #include "skin_links.h"
-
-#include <array>
+#include "skin_stretch_forces.h"
 
 namespace LAMMPS_NS {
 
@@ -37,8 +36,6 @@ class BondSkinStretch : public Bond {
  private:
   static constexpr int NCOEFFS = 5;
 
-  typedef std::array<double, NCOEFFS> Coefficients;
-
   // K, contact length, a2, d2, scale of the spring-like part: each of them for all types
 
   double **coeffs;
@@ -49,8 +46,7 @@ class BondSkinStretch : public Bond {
   void allocate();
   void tally();
   void check(int, double, const std::string &) const;
-  Coefficients of_type(int) const;
-  double energy_of(int, double) const;
+  SkinStretch of_type(int) const;
   double length(int) const;
   double singular(int) const;
   void overstretched(int) const;

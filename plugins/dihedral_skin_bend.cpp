@@ -155,7 +155,8 @@ void DihedralSkinBend::tally_virial()
     const SkinPoint<double> o = load<double>(atom->x[0], &corner[0], 1);
     const SkinPoint<double> p = load<double>(atom->x[0], &corner[1], 1) - o;
     const SkinPoint<double> q = load<double>(atom->x[0], &corner[2], 1) - o;
-    const SkinPush push = skin_push(triangles, t, atom->x[0], law(), normal.data());
+    const SkinCornerForces push =
+        skin_corner_forces(triangles, t, atom->x[0], law(), normal.data());
     const SkinPoint<double> &a = push.one, &b = push.two;
     const double w[6] = {p.x * a.x + q.x * b.x, p.y * a.y + q.y * b.y, p.z * a.z + q.z * b.z,
                          p.x * a.y + q.x * b.y, p.x * a.z + q.x * b.z, p.y * a.z + q.y * b.z};
@@ -177,7 +178,8 @@ void DihedralSkinBend::inverted(double duration, bool at_start) const
              "folds against those around it are {} degrees and more, above {}, and there have "
              "been inverted ones for {} time units{}",
              corner[0], corner[1], corner[2], update->ntimestep,
-             std::acos(inverted_triangles.cosine) * DEGREES, std::acos(INVERTED) * DEGREES, duration,
+             std::acos(inverted_triangles.cosine) * DEGREES, std::acos(INVERTED) * DEGREES,
+             duration,
              skin_remedy(update, modify, at_start));
 }
 

@@ -1,7 +1,8 @@
-// Cells on a basement membrane: LAMMPS' hooks, restart and output of the fix. What cells do stands in
-// classes of their own: SkinCells, SkinAttachment, SkinDividingPairs, SkinDivisions, SkinLineage. The
-// arguments of the fix stand in fix_skin_cells_settings.cpp, its forces in _forces.cpp, event steps in
-// _events.cpp, checks in _checks.cpp, and atoms that others make or move in _atoms.cpp.
+// Cells on a basement membrane: LAMMPS' hooks, restart and output of the fix. What cells do stands
+// in classes of their own: SkinCells, SkinAttachment, SkinDividingPairs, SkinDivisions and
+// SkinLineage. Of the fix itself, its arguments stand in fix_skin_cells_settings.cpp, forces in
+// _forces.cpp, event steps in _events.cpp, checks in _checks.cpp, interventions in
+// _interventions.cpp, and atoms that others make or move in _atoms.cpp.
 
 #include "fix_skin_cells.h"
 

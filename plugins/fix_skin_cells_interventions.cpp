@@ -108,7 +108,8 @@ void FixSkinCells::add_cells(const SkinInterventions::Due &due)
     if (place.on_membrane) event.x[2] = height_on_membrane(event.x, due.what->name);
     check_room(event.x, due.what->name);
     event.id = lineage.new_id();
-    lammps_create_atoms(lmp, 1, &event.id, &cells.kinds[stage.kind].type, event.x, nullptr, nullptr, 0);
+    const int type = cells.kinds[stage.kind].type;
+    lammps_create_atoms(lmp, 1, &event.id, &type, event.x, nullptr, nullptr, 0);
     cells.find_state();
     const int i = cells.owned_index(event.id);
     if (i >= 0) start_added_cell(i, stage);

@@ -21,7 +21,8 @@ void FixSkinCells::parse(int narg, char **arg)
   if (narg < 4) utils::missing_cmd_args(FLERR, "fix skin/cells", error);
 
   divisions.seed = utils::bnumeric(FLERR, arg[3], false, lmp);
-  if (divisions.seed <= 0) error->all(FLERR, "Fix skin/cells seed = {}: must be an integer > 0", arg[3]);
+  if (divisions.seed <= 0)
+    error->all(FLERR, "Fix skin/cells seed = {}: must be an integer > 0", arg[3]);
 
   std::vector<std::string> required = {"membrane", "kind", "contact", "spring", "offset"};
   SkinArguments arguments(lmp, "Fix skin/cells", narg - 4, arg + 4);

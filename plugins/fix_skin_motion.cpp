@@ -9,7 +9,7 @@
 #include "bond_skin_stretch.h"
 #include "dihedral_skin_bend.h"
 #include "fix_skin_cells.h"
-#include "pair_skin.h"
+#include "pair_skin_base.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -43,9 +43,9 @@ static constexpr double LONGEST_INVERTED = 2.0;
 FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), largest_move(INFINITY), stiffness_limit(INFINITY), shortest_link(0.0),
     longest_link(INFINITY), rounding(0.0), round_every(1), cells(nullptr), stretch(nullptr),
-    bend(nullptr), left(false), left_as(0), disturbed(false), steps(0), divided(0), parts(0), evaluations(0), limited(0),
-    slowest(1.0), beyond(0), beyond_before(0), within_steps(0), furthest_listed(0.0), offender(-1),
-    inverted_time(0.0), inverted_at_start(false)
+    bend(nullptr), left(false), left_as(0), disturbed(false), steps(0), divided(0), parts(0),
+    evaluations(0), limited(0), slowest(1.0), beyond(0), beyond_before(0), within_steps(0),
+    furthest_listed(0.0), furthest_particle(-1), inverted_time(0.0), inverted_at_start(false)
 {
   parse(narg, arg);
 
@@ -123,7 +123,7 @@ void FixSkinMotion::find_pairs()
   pairs.clear();
   for (const char *const name : {"skin/lj", "skin/dermis", "skin/adhesion"})
     for (int n = 1;; n++) {
-      auto *const pair = dynamic_cast<PairSkin *>(force->pair_match(name, 1, n));
+      auto *const pair = dynamic_cast<PairSkinBase *>(force->pair_match(name, 1, n));
       if (!pair || (n > 1 && pair == pairs.back())) break;
       pairs.push_back(pair);
     }
@@ -206,7 +206,7 @@ void FixSkinMotion::round_positions()
 
 void FixSkinMotion::final_integrate()
 {
-  for (const PairSkin *pair : pairs) pair->check_overlap();
+  for (const PairSkinBase *pair : pairs) pair->check_overlap();
   if (!bend) return;
   const bool found = bend->find_inverted();
   inverted_time = found ? inverted_time + update->dt : 0.0;
@@ -223,14 +223,14 @@ double FixSkinMotion::euler_part(double longest)
   if (std::isinf(largest_move)) return longest;
 
   double fastest = 0.0;
-  offender = -1;
+  furthest_particle = -1;
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->mask[i] & groupbit)) continue;
     const double *f = atom->f[i];
     const double speed = mobility[i] * std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
     if (speed <= fastest) continue;
     fastest = std::isnan(speed) ? INFINITY : speed;
-    offender = i;
+    furthest_particle = i;
   }
 
   const Move move = furthest(fastest);
@@ -272,7 +272,7 @@ bool FixSkinMotion::advance(double part, double since)
       if (stretch) stretch->spare_links(divisible);
       evaluate_forces(since + method.stages[s].time * part - update->dt);
       if (method.order > 1) find_mobility();
-    } else if (may_divide && ends_badly()) {
+    } else if (may_divide && ends_in_error()) {
       if (!divisible) evaluate_forces(0.0);    // ends the run with the error of that cell or link
       restore_start(since - update->dt);
       return false;
@@ -292,7 +292,7 @@ FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
   double *const x = nlocal ? atom->x[0] : nullptr;
   const double *const f = nlocal ? atom->f[0] : nullptr;
   double longest = 0.0;
-  offender = -1;
+  furthest_particle = -1;
   const double *const at_start = (method.order > 1 ? start_mobility : mobility).data();
   const bool broken = stretch && stretch->had_broken();
   if (stretch) stretch->spare_links(false);
@@ -310,7 +310,7 @@ FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
     }
     if (distsq <= longest) continue;
     longest = std::isnan(distsq) ? INFINITY : distsq;
-    offender = i;
+    furthest_particle = i;
   }
   return furthest(broken ? INFINITY : std::sqrt(longest));
 }

@@ -41,7 +41,7 @@ class FixSkinMotion : public Fix {
   class FixSkinCells *cells;     // told the times of stages, if there is one
   class BondSkinStretch *stretch;    // asked for broken links, if it is the bond style
   class DihedralSkinBend *bend;  // asked for inverted triangles after a step, if there is one
-  std::vector<class PairSkin *> pairs;    // asked for overlaps after a step
+  std::vector<class PairSkinBase *> pairs;    // asked for overlaps after a step
 
   // one part of a step
 
@@ -61,7 +61,8 @@ class FixSkinMotion : public Fix {
   };
   std::vector<Term> unproven;    // computed once more to see whether it is the same
 
-  // whether there was a run since the last set-up, how it left the atoms, and how the next found them
+  // whether there was a run since the last set-up, how it left the atoms, and how the next found
+  // them
 
   bool left;
   uint64_t left_as;
@@ -82,7 +83,7 @@ class FixSkinMotion : public Fix {
     int rank;
   };
   Move latest;               // what `furthest` has found last
-  int offender;              // my particle that moved furthest, or -1
+  int furthest_particle;              // my particle that moved furthest, or -1
   double inverted_time;      // for how long there have been inverted triangles
   bool inverted_at_start;    // since before the first step
 
@@ -92,7 +93,7 @@ class FixSkinMotion : public Fix {
   bool unmoved(double) const;
   double euler_part(double);
   bool advance(double, double);
-  bool ends_badly();
+  bool ends_in_error();
   Move stage(const SkinStage &, double);
   Move furthest(double);
   void keep_start();

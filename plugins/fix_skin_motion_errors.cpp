@@ -98,7 +98,7 @@ void FixSkinMotion::check_box() const
    whether the next evaluation of forces would end the run, on any rank
 ------------------------------------------------------------------------- */
 
-bool FixSkinMotion::ends_badly()
+bool FixSkinMotion::ends_in_error()
 {
   comm->forward_comm();
   int mine = (cells && cells->any_astray()) || (stretch && stretch->any_broken()), any;
@@ -164,14 +164,14 @@ void FixSkinMotion::post_run()
 void FixSkinMotion::unstable(const Move &move, double part, bool at_start)
 {
   double what[3] = {0.0, 0.0, 0.0};
-  if (move.rank == comm->me && offender >= 0) {
-    const double *f = atom->f[offender];
-    what[0] = (double) atom->tag[offender];
-    what[1] = atom->type[offender];
+  if (move.rank == comm->me && furthest_particle >= 0) {
+    const double *f = atom->f[furthest_particle];
+    what[0] = (double) atom->tag[furthest_particle];
+    what[1] = atom->type[furthest_particle];
     what[2] = std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   }
   MPI_Bcast(what, 3, MPI_DOUBLE, move.rank, world);
-  const std::string term = largest_term(move.rank, offender);
+  const std::string term = largest_term(move.rank, furthest_particle);
   error->all(FLERR,
              "Fix skin/motion: the run is unstable on step {}: the force on atom {} of type {} is "
              "{}, most of it from {}, which would need a timestep of {}{}",

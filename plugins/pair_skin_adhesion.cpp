@@ -32,10 +32,10 @@ struct Adhesion {
   }
 };
 
-SKIN_VECTOR double pull_all(const std::vector<SkinTwo> &pairs, const Adhesion &potential,
+SKIN_VECTOR double pull_all(const std::vector<SkinAtomPair> &pairs, const Adhesion &potential,
                             const double *x, double *f)
 {
-  return skin_pull(pairs, potential, x, f);
+  return skin_add_pair_forces(pairs, potential, x, f);
 }
 
 }    // namespace
@@ -43,14 +43,14 @@ SKIN_VECTOR double pull_all(const std::vector<SkinTwo> &pairs, const Adhesion &p
 /* ---------------------------------------------------------------------- */
 
 PairSkinAdhesion::PairSkinAdhesion(LAMMPS *lmp) :
-    PairSkin(lmp, "skin/adhesion", 0.0,
+    PairSkinBase(lmp, "skin/adhesion", 0.0,
              {{"K", NOT_NEGATIVE}, {"contact length", NOT_NEGATIVE}, {"range", ONE_OR_MORE}})
 {
 }
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkinAdhesion::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
+double PairSkinAdhesion::pull(const std::vector<SkinAtomPair> &pairs, const double *coeffs)
 {
   return pull_all(pairs, Adhesion(coeffs), atom->x[0], atom->f[0]);
 }

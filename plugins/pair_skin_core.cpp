@@ -14,7 +14,7 @@ using namespace LAMMPS_NS;
 /* ---------------------------------------------------------------------- */
 
 PairSkinCore::PairSkinCore(LAMMPS *lmp) :
-    PairSkin(lmp, "skin/core", 1.0,
+    PairSkinBase(lmp, "skin/core", 1.0,
              {{"core", FRACTION}, {"contact length", NOT_NEGATIVE}, {"first core", NOT_NEGATIVE}})
 {
 }
@@ -25,13 +25,13 @@ PairSkinCore::PairSkinCore(LAMMPS *lmp) :
 
 void PairSkinCore::compute(int eflag, int vflag)
 {
-  PairSkin::compute(eflag, vflag);
+  PairSkinBase::compute(eflag, vflag);
   check_overlap();
 }
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkinCore::pull(const std::vector<SkinTwo> &pairs, const double * /*coeffs*/)
+double PairSkinCore::pull(const std::vector<SkinAtomPair> &pairs, const double * /*coeffs*/)
 {
   double least = INFINITY;
   for (const auto &[i, j] : pairs) {

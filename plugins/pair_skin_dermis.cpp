@@ -38,10 +38,10 @@ struct SoftSphere {
   }
 };
 
-SKIN_VECTOR double pull_all(const std::vector<SkinTwo> &pairs, const SoftSphere &potential,
+SKIN_VECTOR double pull_all(const std::vector<SkinAtomPair> &pairs, const SoftSphere &potential,
                             const double *x, double *f)
 {
-  return skin_pull(pairs, potential, x, f);
+  return skin_add_pair_forces(pairs, potential, x, f);
 }
 
 }    // namespace
@@ -49,7 +49,7 @@ SKIN_VECTOR double pull_all(const std::vector<SkinTwo> &pairs, const SoftSphere 
 /* ---------------------------------------------------------------------- */
 
 PairSkinDermis::PairSkinDermis(LAMMPS *lmp) :
-    PairSkin(lmp, "skin/dermis", 0.1,
+    PairSkinBase(lmp, "skin/dermis", 0.1,
              {{"K", NOT_NEGATIVE}, {"contact length", NOT_NEGATIVE}, {"a1", NOT_NEGATIVE},
               {"d1", FRACTION}, {"range", ONE_OR_MORE}})
 {
@@ -57,7 +57,7 @@ PairSkinDermis::PairSkinDermis(LAMMPS *lmp) :
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkinDermis::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
+double PairSkinDermis::pull(const std::vector<SkinAtomPair> &pairs, const double *coeffs)
 {
   return pull_all(pairs, SoftSphere(coeffs), atom->x[0], atom->f[0]);
 }

@@ -27,10 +27,10 @@ struct LennardJones {
   }
 };
 
-SKIN_VECTOR double pull_all(const std::vector<SkinTwo> &pairs, const LennardJones &potential,
+SKIN_VECTOR double pull_all(const std::vector<SkinAtomPair> &pairs, const LennardJones &potential,
                             const double *x, double *f)
 {
-  return skin_pull(pairs, potential, x, f);
+  return skin_add_pair_forces(pairs, potential, x, f);
 }
 
 }    // namespace
@@ -38,14 +38,14 @@ SKIN_VECTOR double pull_all(const std::vector<SkinTwo> &pairs, const LennardJone
 /* ---------------------------------------------------------------------- */
 
 PairSkinLJ::PairSkinLJ(LAMMPS *lmp) :
-    PairSkin(lmp, "skin/lj", 0.3,
+    PairSkinBase(lmp, "skin/lj", 0.3,
              {{"K", NOT_NEGATIVE}, {"contact length", NOT_NEGATIVE}, {"range", ONE_OR_MORE}})
 {
 }
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkinLJ::pull(const std::vector<SkinTwo> &pairs, const double *coeffs)
+double PairSkinLJ::pull(const std::vector<SkinAtomPair> &pairs, const double *coeffs)
 {
   return pull_all(pairs, LennardJones(coeffs), atom->x[0], atom->f[0]);
 }

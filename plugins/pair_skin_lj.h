@@ -1,16 +1,16 @@
 #ifndef LMP_PAIR_SKIN_LJ_H
 #define LMP_PAIR_SKIN_LJ_H
 
-#include "pair_skin.h"
+#include "pair_skin_base.h"
 
 namespace LAMMPS_NS {
 
-class PairSkinLJ : public PairSkin {
+class PairSkinLJ : public PairSkinBase {
  public:
   explicit PairSkinLJ(class LAMMPS *);
 
  protected:
-  double pull(const std::vector<SkinTwo> &, const double *) override;
+  double pull(const std::vector<SkinAtomPair> &, const double *) override;
   double slope(double, const double *) const override;
   double energy(double, const double *) const override;
 };

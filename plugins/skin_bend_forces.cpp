@@ -37,7 +37,7 @@ SKIN_INLINE double all_normals(const std::vector<SkinTriangle> &triangles, int b
                                const double *x, double *normal)
 {
   const SkinTriangle *const all = triangles.data();
-  SkinQuad four_without = {};
+  SkinDouble4 four_without = {};
   double without = 0.0;
   int t = begin;
   for (; t + 4 <= end; t += 4) {
@@ -141,7 +141,7 @@ SKIN_INLINE double bend_pairs(const std::vector<SkinTriangle> &triangles, int be
                               double least, double *f)
 {
   const SkinTriangle *const all = triangles.data();
-  SkinQuad four_inverted = {};
+  SkinDouble4 four_inverted = {};
   double inverted = 0.0;
   int k = begin;
   for (; k + 4 <= end; k += 4) {
@@ -151,7 +151,7 @@ SKIN_INLINE double bend_pairs(const std::vector<SkinTriangle> &triangles, int be
       fetch_row(normal, later[m].across[2]);
       fetch(f, later[m].corner[0]);
     }
-    bend_pair<SkinQuad, ONE_TYPE, LIMITED>(all + 2 * k, x, law, normal, least, f, four_inverted);
+    bend_pair<SkinDouble4, ONE_TYPE, LIMITED>(all + 2 * k, x, law, normal, least, f, four_inverted);
   }
   for (; k < end; k++)
     bend_pair<double, ONE_TYPE, LIMITED>(all + 2 * k, x, law, normal, least, f, inverted);
@@ -194,7 +194,7 @@ SkinFolds LAMMPS_NS::skin_bend(const SkinTriangles &triangles, const double *x,
 
   for (int t = 2 * triangles.npairs; t < (int) triangles.all.size(); t++) {
     const SkinTriangle &mine = triangles.all[t];
-    const SkinPush push = skin_push(triangles, t, x, law, normal);
+    const SkinCornerForces push = skin_corner_forces(triangles, t, x, law, normal);
     add(f, &mine.corner[0], 1, SkinPoint<double>{} - (push.one + push.two));
     add(f, &mine.corner[1], 1, push.one);
     add(f, &mine.corner[2], 1, push.two);
@@ -208,8 +208,9 @@ SkinFolds LAMMPS_NS::skin_bend(const SkinTriangles &triangles, const double *x,
 
 /* ---------------------------------------------------------------------- */
 
-SkinPush LAMMPS_NS::skin_push(const SkinTriangles &triangles, int t, const double *x,
-                              const SkinFoldLaw &law, const double *normal)
+SkinCornerForces LAMMPS_NS::skin_corner_forces(const SkinTriangles &triangles, int t,
+                                               const double *x, const SkinFoldLaw &law,
+                                               const double *normal)
 {
   const SkinTriangle &mine = triangles.all[t];
   double inverse, unused;

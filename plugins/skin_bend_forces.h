@@ -4,7 +4,7 @@
 #ifndef LMP_SKIN_BEND_FORCES_H
 #define LMP_SKIN_BEND_FORCES_H
 
-#include "skin_quad.h"
+#include "skin_double4.h"
 #include "skin_triangles.h"
 
 namespace LAMMPS_NS {
@@ -13,8 +13,8 @@ namespace LAMMPS_NS {
 
 static constexpr double SKIN_SMALLEST_NORMAL = 1.0e-10;
 
-// energy of a fold as a function of the cosine c of its angle: K (1 - c)^2 / 2, and below the limit,
-// which is 0 or none, K (1/(1 + c) - 1/2), which has no end as the fold closes
+// energy of a fold as a function of the cosine c of its angle: K (1 - c)^2 / 2, and below the
+// limit, which is 0 or none, K (1/(1 + c) - 1/2), which has no end as the fold closes
 
 struct SkinFoldLaw {
   static constexpr double NO_LIMIT = -2.0;
@@ -52,12 +52,12 @@ SkinFolds skin_bend(const SkinTriangles &, const double *x, const SkinFoldLaw &,
 
 // forces of one triangle on its corners 1 and 2
 
-struct SkinPush {
+struct SkinCornerForces {
   SkinPoint<double> one, two;
 };
 
-SkinPush skin_push(const SkinTriangles &, int, const double *x, const SkinFoldLaw &,
-                   const double *normal);
+SkinCornerForces skin_corner_forces(const SkinTriangles &, int, const double *x,
+                                    const SkinFoldLaw &, const double *normal);
 
 // cosine of the angle between a triangle and the one across the link opposite to a corner
 

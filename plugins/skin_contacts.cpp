@@ -27,10 +27,10 @@ void SkinContacts::set_kinds(const std::vector<int> &kind_of_types,
 
 void SkinContacts::regroup()
 {
-  std::vector<std::vector<SkinTwo>> listed(distances.size());
+  std::vector<std::vector<SkinAtomPair>> listed(distances.size());
   std::swap(listed, of_kind);
-  for (const std::vector<SkinTwo> &pairs : listed)
-    for (const SkinTwo &pair : pairs) {
+  for (const std::vector<SkinAtomPair> &pairs : listed)
+    for (const SkinAtomPair &pair : pairs) {
       const int kind = kinds[atom->type[pair[0]] * (ntypes + 1) + atom->type[pair[1]]];
       if (kind >= 0) of_kind[kind].push_back(pair);
     }
@@ -40,7 +40,7 @@ void SkinContacts::regroup()
 
 void SkinContacts::clear()
 {
-  for (std::vector<SkinTwo> &pairs : of_kind) pairs.clear();
+  for (std::vector<SkinAtomPair> &pairs : of_kind) pairs.clear();
 }
 
 /* ----------------------------------------------------------------------
@@ -136,7 +136,7 @@ void SkinContacts::add_column(const SkinColumns &all, int c, double furthest)
       if (!one_way && !mine(i, j)) continue;
       const int kind = one_kind ? 0 : row[atom->type[j]];
       if (kind < 0 || near.distsq[*k] > radii[kind] * radii[kind]) continue;
-      const SkinTwo pair = {owned ? i : j, owned ? j : i};
+      const SkinAtomPair pair = {owned ? i : j, owned ? j : i};
       if (sees_all || !hidden(pair[0], pair[1])) of_kind[kind].push_back(pair);
     }
   }
@@ -212,7 +212,7 @@ bool SkinContacts::excluded(int i, int j) const
 double SkinContacts::memory_usage() const
 {
   double bytes = columns.memory_usage() + center_columns.memory_usage() + near.memory_usage();
-  for (const std::vector<SkinTwo> &pairs : of_kind)
-    bytes += (double) pairs.capacity() * sizeof(SkinTwo);
+  for (const std::vector<SkinAtomPair> &pairs : of_kind)
+    bytes += (double) pairs.capacity() * sizeof(SkinAtomPair);
   return bytes;
 }

@@ -5,7 +5,7 @@
 #define LMP_SKIN_CONTACTS_H
 
 #include "skin_columns.h"
-#include "skin_two.h"
+#include "skin_pair_forces.h"
 
 #include "pointers.h"
 
@@ -26,7 +26,7 @@ class SkinContacts : protected Pointers {
   void clear();
   double memory_usage() const;
 
-  std::vector<std::vector<SkinTwo>> of_kind;
+  std::vector<std::vector<SkinAtomPair>> of_kind;
 
  private:
   int ntypes = 0;

@@ -1,6 +1,6 @@
 #include "skin_nearest.h"
 
-#include "skin_quad.h"
+#include "skin_double4.h"
 #include "skin_vector.h"
 
 #include "atom.h"
@@ -104,14 +104,14 @@ void SkinNearest::add_candidates(const double *point, double margin)
 SKIN_VECTOR static double distances_squared(const int *list, int n, const double *point,
                                             const double *x, double *distsq)
 {
-  const SkinQuad zero = {};
-  const SkinPoint<SkinQuad> four_points = {zero + point[0], zero + point[1], zero + point[2]};
-  SkinQuad four_least = zero + INFINITY;
+  const SkinDouble4 zero = {};
+  const SkinPoint<SkinDouble4> four_points = {zero + point[0], zero + point[1], zero + point[2]};
+  SkinDouble4 four_least = zero + INFINITY;
   double least = INFINITY;
   int k = 0;
   for (; k + 4 <= n; k += 4) {
-    const SkinPoint<SkinQuad> d = load<SkinQuad>(x, list + k, 1) - four_points;
-    const SkinQuad rsq = dot(d, d);
+    const SkinPoint<SkinDouble4> d = load<SkinDouble4>(x, list + k, 1) - four_points;
+    const SkinDouble4 rsq = dot(d, d);
     for (int m = 0; m < 4; m++) distsq[k + m] = rsq[m];
     four_least = smaller(four_least, rsq);
   }

@@ -1,5 +1,5 @@
-// The section of a data file from which read_data takes the state of cells that it adds. LAMMPS does
-// not mind if the file has no such section.
+// The section of a data file from which read_data takes the state of cells that it adds. LAMMPS
+// does not mind if the file has no such section.
 
 #ifndef LMP_SKIN_STATE_SECTION_H
 #define LMP_SKIN_STATE_SECTION_H

@@ -2,7 +2,7 @@
 // pairs themselves, since each concerns few pairs of types and the lists of LAMMPS are made for
 // all of them together.
 
-#include "pair_skin.h"
+#include "pair_skin_base.h"
 
 #include "skin_remedy.h"
 
@@ -23,7 +23,7 @@ static constexpr int STIFFNESS = 0, CONTACT = 1;
 
 /* ---------------------------------------------------------------------- */
 
-PairSkin::PairSkin(LAMMPS *lmp, const char *style, double core,
+PairSkinBase::PairSkinBase(LAMMPS *lmp, const char *style, double core,
                    const std::vector<Coefficient> &names) :
     Pair(lmp), style(style), core(core), names(names), ncoeffs((int) names.size()), coeffs(nullptr),
     contacts(lmp), kinds_known(false)
@@ -34,7 +34,7 @@ PairSkin::PairSkin(LAMMPS *lmp, const char *style, double core,
 
 /* ---------------------------------------------------------------------- */
 
-PairSkin::~PairSkin()
+PairSkinBase::~PairSkinBase()
 {
   if (allocated) {
     memory->destroy(setflag);
@@ -45,7 +45,7 @@ PairSkin::~PairSkin()
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkin::compute(int eflag, int vflag)
+void PairSkinBase::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
 
@@ -56,7 +56,7 @@ void PairSkin::compute(int eflag, int vflag)
 
   least.assign(of_kind.size(), INFINITY);
   for (size_t kind = 0; kind < of_kind.size(); kind++) {
-    const std::vector<SkinTwo> &pairs = contacts.of_kind[kind];
+    const std::vector<SkinAtomPair> &pairs = contacts.of_kind[kind];
     const double *const c = of_kind[kind].data();
     if (c[STIFFNESS] != 0.0 && !pairs.empty()) least[kind] = pull(pairs, c);
   }
@@ -70,7 +70,7 @@ void PairSkin::compute(int eflag, int vflag)
    a hybrid style have no cutoff here, whatever coefficients they once had
 ------------------------------------------------------------------------- */
 
-void PairSkin::find_kinds()
+void PairSkinBase::find_kinds()
 {
   const int n = atom->ntypes;
   std::vector<int> kinds((n + 1) * (n + 1), -1);
@@ -101,7 +101,7 @@ void PairSkin::find_kinds()
 
 /* ---------------------------------------------------------------------- */
 
-std::vector<double> PairSkin::of_types(int i, int j) const
+std::vector<double> PairSkinBase::of_types(int i, int j) const
 {
   std::vector<double> c(ncoeffs);
   for (int k = 0; k < ncoeffs; k++) c[k] = coeffs[k][i][j];
@@ -110,7 +110,7 @@ std::vector<double> PairSkin::of_types(int i, int j) const
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkin::tally()
+void PairSkinBase::tally()
 {
   double **x = atom->x;
   for (size_t kind = 0; kind < of_kind.size(); kind++) {
@@ -127,7 +127,7 @@ void PairSkin::tally()
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkin::check_overlap() const
+void PairSkinBase::check_overlap() const
 {
   for (size_t kind = 0; kind < least.size(); kind++) {
     const double within = closest(of_kind[kind].data());
@@ -149,7 +149,7 @@ void PairSkin::check_overlap() const
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkin::phi(double x)
+double PairSkinBase::phi(double x)
 {
   const double inverse = 1.0 / (x * x), six = inverse * inverse * inverse;
   return six * six / 12.0 - six / 6.0;
@@ -157,28 +157,28 @@ double PairSkin::phi(double x)
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkin::range(const double *c) const
+double PairSkinBase::range(const double *c) const
 {
   return c[CONTACT] * c[ncoeffs - 1];
 }
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkin::closest(const double *c) const
+double PairSkinBase::closest(const double *c) const
 {
   return core * c[CONTACT];
 }
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkin::settings(int narg, char ** /*arg*/)
+void PairSkinBase::settings(int narg, char ** /*arg*/)
 {
   if (narg != 0) error->all(FLERR, "Pair style {} needs no arguments, but got {}", style, narg);
 }
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkin::allocate()
+void PairSkinBase::allocate()
 {
   allocated = 1;
   const int np1 = atom->ntypes + 1;
@@ -198,7 +198,7 @@ void PairSkin::allocate()
    set coeffs for one or more pairs of types
 ------------------------------------------------------------------------- */
 
-void PairSkin::coeff(int narg, char **arg)
+void PairSkinBase::coeff(int narg, char **arg)
 {
   if (narg != ncoeffs + 2)
     error->all(FLERR, "Pair style {} needs {} coefficients for a pair of types, but got {}", style,
@@ -226,7 +226,7 @@ void PairSkin::coeff(int narg, char **arg)
    whether a coefficient may have this value, which was given as this text
 ------------------------------------------------------------------------- */
 
-void PairSkin::check(int k, double v, const std::string &text) const
+void PairSkinBase::check(int k, double v, const std::string &text) const
 {
   static const char *const MUST[] = {"a number >= 0", "a number > 0 and < 1", "a number >= 1"};
   const Allowed allowed = names[k].allowed;
@@ -243,7 +243,7 @@ void PairSkin::check(int k, double v, const std::string &text) const
    the pairs of types that it leaves to this sub-style
 ------------------------------------------------------------------------- */
 
-void PairSkin::init_style()
+void PairSkinBase::init_style()
 {
   if (!force->newton_pair) error->all(FLERR, "Pair style {} needs newton on for pairs", style);
   const double *const special = force->special_lj;
@@ -264,7 +264,7 @@ void PairSkin::init_style()
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkin::init_one(int i, int j)
+double PairSkinBase::init_one(int i, int j)
 {
   if (!setflag[i][j]) error->all(FLERR, "All pair coeffs are not set: types {} and {}", i, j);
   for (int k = 0; k < ncoeffs; k++) {
@@ -280,7 +280,7 @@ double PairSkin::init_one(int i, int j)
    then
 ------------------------------------------------------------------------- */
 
-void *PairSkin::extract(const char *which, int &dim)
+void *PairSkinBase::extract(const char *which, int &dim)
 {
   dim = 2;
   for (int k = 0; k < ncoeffs; k++) {
@@ -292,7 +292,7 @@ void *PairSkin::extract(const char *which, int &dim)
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkin::write_restart(FILE *fp)
+void PairSkinBase::write_restart(FILE *fp)
 {
   for (int i = 1; i <= atom->ntypes; i++)
     for (int j = i; j <= atom->ntypes; j++) {
@@ -307,7 +307,7 @@ void PairSkin::write_restart(FILE *fp)
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkin::read_restart(FILE *fp)
+void PairSkinBase::read_restart(FILE *fp)
 {
   allocate();
 
@@ -326,7 +326,7 @@ void PairSkin::read_restart(FILE *fp)
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkin::write_data(FILE *fp)
+void PairSkinBase::write_data(FILE *fp)
 {
   for (int i = 1; i <= atom->ntypes; i++) {
     utils::print(fp, "{}", i);
@@ -337,7 +337,7 @@ void PairSkin::write_data(FILE *fp)
 
 /* ---------------------------------------------------------------------- */
 
-void PairSkin::write_data_all(FILE *fp)
+void PairSkinBase::write_data_all(FILE *fp)
 {
   for (int i = 1; i <= atom->ntypes; i++)
     for (int j = i; j <= atom->ntypes; j++) {
@@ -349,7 +349,7 @@ void PairSkin::write_data_all(FILE *fp)
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkin::single(int /*i*/, int /*j*/, int itype, int jtype, double rsq,
+double PairSkinBase::single(int /*i*/, int /*j*/, int itype, int jtype, double rsq,
                         double /*factor_coul*/, double factor_lj, double &fforce)
 {
   const std::vector<double> all = of_types(itype, jtype);
@@ -360,7 +360,7 @@ double PairSkin::single(int /*i*/, int /*j*/, int itype, int jtype, double rsq,
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkin::memory_usage()
+double PairSkinBase::memory_usage()
 {
   return Pair::memory_usage() + contacts.memory_usage();
 }

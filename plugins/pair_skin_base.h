@@ -1,5 +1,5 @@
-#ifndef LMP_PAIR_SKIN_H
-#define LMP_PAIR_SKIN_H
+#ifndef LMP_PAIR_SKIN_BASE_H
+#define LMP_PAIR_SKIN_BASE_H
 
 #include "pair.h"
 
@@ -15,7 +15,7 @@ namespace LAMMPS_NS {
 // stiffness, 0 for no pairs at all, the second a contact length and the last mostly a range in
 // contact lengths
 
-class PairSkin : public Pair {
+class PairSkinBase : public Pair {
  public:
   enum Allowed { NOT_NEGATIVE, FRACTION, ONE_OR_MORE };
   struct Coefficient {
@@ -23,8 +23,8 @@ class PairSkin : public Pair {
     Allowed allowed;
   };
 
-  PairSkin(class LAMMPS *, const char *style, double core, const std::vector<Coefficient> &);
-  ~PairSkin() override;
+  PairSkinBase(class LAMMPS *, const char *style, double core, const std::vector<Coefficient> &);
+  ~PairSkinBase() override;
   void compute(int, int) override;
   void settings(int, char **) override;
   void coeff(int, char **) override;
@@ -47,7 +47,7 @@ class PairSkin : public Pair {
   // forces of all pairs of a kind, of which there are some, with its coefficients; returns the
   // least of their squared distances
 
-  virtual double pull(const std::vector<SkinTwo> &, const double *coeffs) = 0;
+  virtual double pull(const std::vector<SkinAtomPair> &, const double *coeffs) = 0;
 
   // -dE/dr / r and E of one pair at a distance within range
 

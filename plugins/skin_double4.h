@@ -1,9 +1,9 @@
-// Vectors in space of one particle, or of four particles at a time: T is double or SkinQuad, which
+// Vectors in space of one particle, or of four at a time: T is double or SkinDouble4, which
 // holds one number of each of the four and becomes the instructions that SKIN_VECTOR chooses.
 // Indices of the four lie stride apart.
 
-#ifndef LMP_SKIN_QUAD_H
-#define LMP_SKIN_QUAD_H
+#ifndef LMP_SKIN_DOUBLE4_H
+#define LMP_SKIN_DOUBLE4_H
 
 #include <cmath>
 
@@ -15,9 +15,9 @@
 
 namespace LAMMPS_NS {
 
-typedef double SkinPair __attribute__((vector_size(16)));
-typedef double SkinQuad __attribute__((vector_size(32)));
-typedef double SkinPairInMemory __attribute__((vector_size(16), aligned(8), may_alias));
+typedef double SkinDouble2 __attribute__((vector_size(16)));
+typedef double SkinDouble4 __attribute__((vector_size(32)));
+typedef double SkinDouble2InMemory __attribute__((vector_size(16), aligned(8), may_alias));
 
 template <class T> struct SkinPoint {
   T x, y, z;
@@ -63,9 +63,9 @@ SKIN_INLINE double root(double a)
   return std::sqrt(a);
 }
 
-SKIN_INLINE SkinQuad root(const SkinQuad &a)
+SKIN_INLINE SkinDouble4 root(const SkinDouble4 &a)
 {
-  SkinQuad roots;
+  SkinDouble4 roots;
   for (int k = 0; k < 4; k++) roots[k] = std::sqrt(a[k]);
   return roots;
 }
@@ -85,7 +85,7 @@ SKIN_INLINE double sum(double a)
   return a;
 }
 
-SKIN_INLINE double sum(const SkinQuad &a)
+SKIN_INLINE double sum(const SkinDouble4 &a)
 {
   return a[0] + a[1] + a[2] + a[3];
 }
@@ -95,25 +95,25 @@ SKIN_INLINE double sum(const SkinQuad &a)
 ------------------------------------------------------------------------- */
 
 #if defined(__clang__) || __GNUC__ >= 12
-template <int... ORDER, class V> SKIN_INLINE SkinQuad quad(const V &a, const V &b)
+template <int... ORDER, class V> SKIN_INLINE SkinDouble4 shuffle4(const V &a, const V &b)
 {
   return __builtin_shufflevector(a, b, ORDER...);
 }
 
-template <int... ORDER> SKIN_INLINE SkinPair pair(const SkinQuad &a)
+template <int... ORDER> SKIN_INLINE SkinDouble2 shuffle2(const SkinDouble4 &a)
 {
   return __builtin_shufflevector(a, a, ORDER...);
 }
 #else
-template <int... ORDER, class V> SKIN_INLINE SkinQuad quad(const V &a, const V &b)
+template <int... ORDER, class V> SKIN_INLINE SkinDouble4 shuffle4(const V &a, const V &b)
 {
   constexpr int n = skin_width<V>;
-  return SkinQuad{(ORDER < n ? a[ORDER % n] : b[ORDER % n])...};
+  return SkinDouble4{(ORDER < n ? a[ORDER % n] : b[ORDER % n])...};
 }
 
-template <int... ORDER> SKIN_INLINE SkinPair pair(const SkinQuad &a)
+template <int... ORDER> SKIN_INLINE SkinDouble2 shuffle2(const SkinDouble4 &a)
 {
-  return SkinPair{a[ORDER]...};
+  return SkinDouble2{a[ORDER]...};
 }
 #endif
 
@@ -130,11 +130,14 @@ template <class T> SKIN_INLINE SkinPoint<T> load(const double *all, const int *i
     // NOLINTNEXTLINE(clang-analyzer-security.ArrayBound): i goes on in the next of four structures
     const double *b = all + 3L * i[stride];
     const double *c = all + 3L * i[2 * stride], *d = all + 3L * i[3 * stride];
-    const SkinPair axy = *(const SkinPairInMemory *) a, bxy = *(const SkinPairInMemory *) b;
-    const SkinPair cxy = *(const SkinPairInMemory *) c, dxy = *(const SkinPairInMemory *) d;
-    const SkinQuad ac = quad<0, 1, 2, 3>(axy, cxy), bd = quad<0, 1, 2, 3>(bxy, dxy);
-    const SkinPair abz = {a[2], b[2]}, cdz = {c[2], d[2]};
-    return {quad<0, 4, 2, 6>(ac, bd), quad<1, 5, 3, 7>(ac, bd), quad<0, 1, 2, 3>(abz, cdz)};
+    const SkinDouble2 axy = *(const SkinDouble2InMemory *) a;
+    const SkinDouble2 bxy = *(const SkinDouble2InMemory *) b;
+    const SkinDouble2 cxy = *(const SkinDouble2InMemory *) c;
+    const SkinDouble2 dxy = *(const SkinDouble2InMemory *) d;
+    const SkinDouble4 ac = shuffle4<0, 1, 2, 3>(axy, cxy), bd = shuffle4<0, 1, 2, 3>(bxy, dxy);
+    const SkinDouble2 abz = {a[2], b[2]}, cdz = {c[2], d[2]};
+    return {shuffle4<0, 4, 2, 6>(ac, bd), shuffle4<1, 5, 3, 7>(ac, bd),
+            shuffle4<0, 1, 2, 3>(abz, cdz)};
   }
 }
 
@@ -153,13 +156,14 @@ SKIN_INLINE void add(double *all, const int *i, int, const SkinPoint<double> &p)
   a[2] += p.z;
 }
 
-SKIN_INLINE void add(double *all, const int *i, int stride, const SkinPoint<SkinQuad> &p)
+SKIN_INLINE void add(double *all, const int *i, int stride, const SkinPoint<SkinDouble4> &p)
 {
-  const SkinQuad ac = quad<0, 4, 2, 6>(p.x, p.y), bd = quad<1, 5, 3, 7>(p.x, p.y);
-  const SkinPair xy[] = {pair<0, 1>(ac), pair<0, 1>(bd), pair<2, 3>(ac), pair<2, 3>(bd)};
+  const SkinDouble4 ac = shuffle4<0, 4, 2, 6>(p.x, p.y), bd = shuffle4<1, 5, 3, 7>(p.x, p.y);
+  const SkinDouble2 xy[] = {shuffle2<0, 1>(ac), shuffle2<0, 1>(bd), shuffle2<2, 3>(ac),
+                            shuffle2<2, 3>(bd)};
   for (int k = 0; k < 4; k++) {
     double *a = all + 3L * i[k * stride];
-    *(SkinPairInMemory *) a += xy[k];
+    *(SkinDouble2InMemory *) a += xy[k];
     a[2] += p.z[k];
   }
 }
@@ -176,18 +180,20 @@ SKIN_INLINE SkinPoint<T> load_rows(const double *all, const int *i, int stride, 
     w = a[3];
     return {a[0], a[1], a[2]};
   } else {
-    SkinPair xy[4], zw[4];
+    SkinDouble2 xy[4], zw[4];
     for (int k = 0; k < 4; k++) {
       // NOLINTNEXTLINE(clang-analyzer-security.ArrayBound): the same
-      const SkinPairInMemory *a = (const SkinPairInMemory *) (all + 4L * i[k * stride]);
+      const SkinDouble2InMemory *a = (const SkinDouble2InMemory *) (all + 4L * i[k * stride]);
       xy[k] = a[0];
       zw[k] = a[1];
     }
-    const SkinQuad acxy = quad<0, 1, 2, 3>(xy[0], xy[2]), bdxy = quad<0, 1, 2, 3>(xy[1], xy[3]);
-    const SkinQuad aczw = quad<0, 1, 2, 3>(zw[0], zw[2]), bdzw = quad<0, 1, 2, 3>(zw[1], zw[3]);
-    w = quad<1, 5, 3, 7>(aczw, bdzw);
-    return {quad<0, 4, 2, 6>(acxy, bdxy), quad<1, 5, 3, 7>(acxy, bdxy),
-            quad<0, 4, 2, 6>(aczw, bdzw)};
+    const SkinDouble4 acxy = shuffle4<0, 1, 2, 3>(xy[0], xy[2]);
+    const SkinDouble4 bdxy = shuffle4<0, 1, 2, 3>(xy[1], xy[3]);
+    const SkinDouble4 aczw = shuffle4<0, 1, 2, 3>(zw[0], zw[2]);
+    const SkinDouble4 bdzw = shuffle4<0, 1, 2, 3>(zw[1], zw[3]);
+    w = shuffle4<1, 5, 3, 7>(aczw, bdzw);
+    return {shuffle4<0, 4, 2, 6>(acxy, bdxy), shuffle4<1, 5, 3, 7>(acxy, bdxy),
+            shuffle4<0, 4, 2, 6>(aczw, bdzw)};
   }
 }
 
@@ -204,19 +210,19 @@ SKIN_INLINE void store_rows(double *rows, const SkinPoint<double> &p, double w)
   rows[3] = w;
 }
 
-SKIN_INLINE void store_rows(double *rows, const SkinPoint<SkinQuad> &p, const SkinQuad &w)
+SKIN_INLINE void store_rows(double *rows, const SkinPoint<SkinDouble4> &p, const SkinDouble4 &w)
 {
-  const SkinQuad acxy = quad<0, 4, 2, 6>(p.x, p.y), bdxy = quad<1, 5, 3, 7>(p.x, p.y);
-  const SkinQuad aczw = quad<0, 4, 2, 6>(p.z, w), bdzw = quad<1, 5, 3, 7>(p.z, w);
-  SkinPairInMemory *to = (SkinPairInMemory *) rows;
-  to[0] = pair<0, 1>(acxy);
-  to[1] = pair<0, 1>(aczw);
-  to[2] = pair<0, 1>(bdxy);
-  to[3] = pair<0, 1>(bdzw);
-  to[4] = pair<2, 3>(acxy);
-  to[5] = pair<2, 3>(aczw);
-  to[6] = pair<2, 3>(bdxy);
-  to[7] = pair<2, 3>(bdzw);
+  const SkinDouble4 acxy = shuffle4<0, 4, 2, 6>(p.x, p.y), bdxy = shuffle4<1, 5, 3, 7>(p.x, p.y);
+  const SkinDouble4 aczw = shuffle4<0, 4, 2, 6>(p.z, w), bdzw = shuffle4<1, 5, 3, 7>(p.z, w);
+  SkinDouble2InMemory *to = (SkinDouble2InMemory *) rows;
+  to[0] = shuffle2<0, 1>(acxy);
+  to[1] = shuffle2<0, 1>(aczw);
+  to[2] = shuffle2<0, 1>(bdxy);
+  to[3] = shuffle2<0, 1>(bdzw);
+  to[4] = shuffle2<2, 3>(acxy);
+  to[5] = shuffle2<2, 3>(aczw);
+  to[6] = shuffle2<2, 3>(bdxy);
+  to[7] = shuffle2<2, 3>(bdzw);
 }
 
 }    // namespace LAMMPS_NS

@@ -1,9 +1,9 @@
 // Forces between the two particles of each of many pairs, four pairs at a time.
 
-#ifndef LMP_SKIN_TWO_H
-#define LMP_SKIN_TWO_H
+#ifndef LMP_SKIN_PAIR_FORCES_H
+#define LMP_SKIN_PAIR_FORCES_H
 
-#include "skin_quad.h"
+#include "skin_double4.h"
 
 #include <array>
 #include <cmath>
@@ -11,15 +11,15 @@
 
 namespace LAMMPS_NS {
 
-typedef std::array<int, 2> SkinTwo;
+typedef std::array<int, 2> SkinAtomPair;
 
 /* ----------------------------------------------------------------------
    POTENTIAL::slope gives -dE/dr / r for a squared distance, or for four of them
 ------------------------------------------------------------------------- */
 
 template <class POTENTIAL, class T>
-SKIN_INLINE void skin_pull_two(const SkinTwo *two, const POTENTIAL &potential, const double *x,
-                               double *f, T &least)
+SKIN_INLINE void skin_add_pair_force(const SkinAtomPair *two, const POTENTIAL &potential,
+                                     const double *x, double *f, T &least)
 {
   const int *a = two->data(), *b = a + 1;
   const SkinPoint<T> d = load<T>(x, b, 2) - load<T>(x, a, 2);
@@ -36,23 +36,23 @@ SKIN_INLINE void skin_pull_two(const SkinTwo *two, const POTENTIAL &potential, c
 ------------------------------------------------------------------------- */
 
 template <class POTENTIAL>
-SKIN_INLINE double skin_pull(const std::vector<SkinTwo> &all, const POTENTIAL &potential,
-                             const double *x, double *f)
+SKIN_INLINE double skin_add_pair_forces(const std::vector<SkinAtomPair> &all,
+                                        const POTENTIAL &potential, const double *x, double *f)
 {
   constexpr int AHEAD = 32;
   const int n = (int) all.size();
   double least = INFINITY;
-  SkinQuad four_least = SkinQuad{} + least;
+  SkinDouble4 four_least = SkinDouble4{} + least;
   int k = 0;
   for (; k + 4 <= n; k += 4) {
-    const SkinTwo *const later = all.data() + smaller(k + AHEAD, n - 4);
+    const SkinAtomPair *const later = all.data() + smaller(k + AHEAD, n - 4);
     for (int m = 0; m < 4; m++) {
       fetch(x, later[m][1]);
       fetch(f, later[m][1]);
     }
-    skin_pull_two<POTENTIAL, SkinQuad>(all.data() + k, potential, x, f, four_least);
+    skin_add_pair_force<POTENTIAL, SkinDouble4>(all.data() + k, potential, x, f, four_least);
   }
-  for (; k < n; k++) skin_pull_two<POTENTIAL, double>(all.data() + k, potential, x, f, least);
+  for (; k < n; k++) skin_add_pair_force<POTENTIAL, double>(all.data() + k, potential, x, f, least);
   for (int m = 0; m < 4; m++) least = smaller(least, four_least[m]);
   return least;
 }
