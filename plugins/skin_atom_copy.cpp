@@ -5,13 +5,14 @@
 #include "lammps.h"
 #include "modify.h"
 
+#include <algorithm>
 #include <cstring>
-#include <set>
-#include <string>
+#include <iterator>
+#include <string_view>
 
 using namespace LAMMPS_NS;
 
-static const std::set<std::string> NOT_COPIED = {
+static constexpr std::string_view NOT_COPIED[] = {
     "id", "type", "x", "f", "nspecial", "num_bond", "num_angle", "num_dihedral", "num_improper",
     "nspecial15", "ellipsoid", "line", "tri", "body"};
 
@@ -23,7 +24,9 @@ static const std::set<std::string> NOT_COPIED = {
 static void copy_atom_style(const Atom *atom, int i, int j)
 {
   for (const Atom::PerAtom &data : atom->peratom) {
-    if (data.cols < 0 || NOT_COPIED.count(data.name)) continue;
+    if (data.cols < 0 ||
+        std::count(std::begin(NOT_COPIED), std::end(NOT_COPIED), std::string_view(data.name)))
+      continue;
     void *const array = *(void **) data.address;
     if (!array) continue;
     const size_t size = data.datatype == Atom::DOUBLE ? sizeof(double)

@@ -12,23 +12,25 @@
 
 #include <algorithm>
 #include <cctype>
-#include <map>
-#include <set>
+#include <iterator>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 using namespace LAMMPS_NS;
 
 // causes in the event log that are not names of interventions
 
-static const std::set<std::string> OTHER_CAUSES = {"division", "grown", "partner_removed",
-                                                   "detached"};
-static const std::map<std::string, SkinIntervention::Action> ACTIONS = {
+static constexpr std::string_view OTHER_CAUSES[] = {"division", "grown", "partner_removed",
+                                                    "detached"};
+
+static constexpr std::pair<std::string_view, SkinIntervention::Action> ACTIONS[] = {
     {"remove", SkinIntervention::REMOVE},
     {"convert", SkinIntervention::CONVERT},
     {"add", SkinIntervention::ADD},
     {"change", SkinIntervention::CHANGE}};
 
-static const std::string ALL = "all";    // kinds
+static constexpr std::string_view ALL = "all";    // kinds
 
 // times that differ by less than this part of a timestep, or of a period, differ by rounding
 
@@ -60,7 +62,7 @@ void SkinInterventions::add(SkinArguments &arguments)
   if (!std::all_of(one.name.begin(), one.name.end(),
                    [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; }))
     error->all(FLERR, "{}: a name has letters, digits, _ and - only", arguments.about());
-  if (OTHER_CAUSES.count(one.name))
+  if (std::count(std::begin(OTHER_CAUSES), std::end(OTHER_CAUSES), one.name))
     error->all(FLERR, "{}: this name is that of another cause in the event log",
                arguments.about());
   for (const SkinIntervention &other : list)
@@ -98,8 +100,10 @@ void SkinInterventions::read_times(SkinArguments &arguments, SkinIntervention &o
 
 void SkinInterventions::read_action(SkinArguments &arguments, SkinIntervention &one) const
 {
-  const auto action = ACTIONS.find(arguments.following());
-  if (action == ACTIONS.end())
+  const std::string word = arguments.following();
+  const auto *const action = std::find_if(std::begin(ACTIONS), std::end(ACTIONS),
+                                          [&](const auto &row) { return row.first == word; });
+  if (action == std::end(ACTIONS))
     error->all(FLERR, "{} needs remove, convert, add or change after its times",
                arguments.about());
   arguments.keyword();
