@@ -77,5 +77,5 @@ SkinCellEvent SkinCells::event(int i, int what, double time) const
 std::string SkinCells::remedy() const
 {
   if (atom->natoms != known_atoms) return "";
-  return skin_remedy(update, update->ntimestep == update->firststep);
+  return skin_remedy(update, modify, update->ntimestep == update->firststep);
 }

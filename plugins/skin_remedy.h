@@ -14,22 +14,17 @@
 
 namespace LAMMPS_NS {
 
-inline std::string skin_remedy(const Update *update, bool at_start)
-{
-  if (update->whichflag != 1) return "";
-  if (update->setupflag || at_start) return "; the state that this run began with is like that";
-  return fmt::format("; try a smaller timestep than {}", update->dt);
-}
-
 inline std::string skin_remedy(const Update *update, Modify *modify, bool at_start)
 {
-  bool moved = false;
+  if (update->whichflag != 1) return "";
+  bool dragged = false;
   for (Fix *fix : modify->get_fix_list())
     if (const auto *const motion = dynamic_cast<FixSkinMotion *>(fix))
       at_start = at_start || motion->begins_disturbed();
     else if (utils::strmatch(fix->style, "^move"))
-      moved = true;
-  return moved && !at_start && !update->setupflag ? "" : skin_remedy(update, at_start);
+      dragged = true;
+  if (update->setupflag || at_start) return "; the state that this run began with is like that";
+  return dragged ? "" : fmt::format("; try a smaller timestep than {}", update->dt);
 }
 
 }    // namespace LAMMPS_NS
