@@ -10,8 +10,25 @@ import pytest
 from lammps_skin import Configuration, SceneError, open_trajectory
 from lammps_skin.analysis.observables import observables
 from lammps_skin.trajectory.check import NEXT_ID
+from lammps_skin.trajectory.dump import PARTICLE_COLUMNS, STATE_COLUMNS, Dump
 from lammps_skin.trajectory.frame import ABSENT, ADDED
 from lammps_skin.trajectory.store import Store
+
+WIDTH = len(PARTICLE_COLUMNS) + len(STATE_COLUMNS)
+
+
+@pytest.fixture
+def older_dump(run, tmp_path):
+    """A dump of the columns that there were, in a directory that is otherwise the same."""
+    for name in ("skin.in", "scene.toml", "scene.in", "skin.data", "events.csv"):
+        shutil.copyfile(run.directory / name, tmp_path / name)
+    lines = (run.directory / "skin.dump").read_text().splitlines()
+    missing = len(ADDED)
+    shorter = (
+        line.rsplit(" ", missing)[0] if len(line.split()) >= WIDTH else line for line in lines
+    )
+    (tmp_path / "skin.dump").write_text("\n".join(shorter) + "\n")
+    return tmp_path
 
 
 @pytest.fixture
@@ -36,6 +53,16 @@ def test_what_they_hold_is_read_and_what_they_lack_is_absent(run, older):
     assert len(open_trajectory(older).trajectory) == len(before)
 
 
-def test_no_run_begins_with_them(older):
+def test_dumps_alike(run, older_dump):
+    for old, new in zip(Dump(older_dump / "skin.dump"), run.frames, strict=True):
+        assert np.array_equal(old.positions, new.positions)
+        assert np.array_equal(old.state["pair"], new.state["pair"])
+        assert np.isnan(old.state["detached_time"]).all()
+    parents = [Dump(place / "skin.dump").parents(5, 0) for place in (older_dump, run.directory)]
+    assert np.array_equal(*parents)
+
+
+@pytest.mark.parametrize("form", ["older", "older_dump"])
+def test_no_run_begins_with_them(form, request):
     with pytest.raises(SceneError, match="is of an older version, which did not keep all of"):
-        Configuration.from_run(older)
+        Configuration.from_run(request.getfixturevalue(form))

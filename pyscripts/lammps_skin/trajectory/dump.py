@@ -22,7 +22,7 @@ from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.check import check_frame
 from lammps_skin.trajectory.connectivity import connectivity
-from lammps_skin.trajectory.frame import CELL_STATE, WHOLE, Frame
+from lammps_skin.trajectory.frame import ABSENT, ADDED, CELL_STATE, WHOLE, Frame
 
 FIRST_ITEM = b"ITEM: TIME\n"
 HEADER = 11  # lines
@@ -37,6 +37,7 @@ STATE_COLUMNS = (
     *(f"f_cells[{n}]" for n in range(1, 7)),
     "i_divisions_done", "d_pair_start", "d_detached_time",
 )  # fmt: skip
+OLDER_COLUMNS = PARTICLE_COLUMNS + STATE_COLUMNS[: -len(ADDED)]
 WHOLE_COLUMNS = [n for n, name in enumerate(CELL_STATE, len(PARTICLE_COLUMNS)) if name in WHOLE]
 PARENT = len(PARTICLE_COLUMNS) + list(CELL_STATE).index("parent")
 
@@ -154,7 +155,7 @@ class Dump:
         place = self._places[n]
         with self._reading(place.step):
             *header, rows = self._text(place).split(b"\n", HEADER)
-            if len(header[10].split()) < 2 + len(PARTICLE_COLUMNS) + len(STATE_COLUMNS):
+            if len(header[10].split()) <= 2 + PARENT:
                 return np.empty(0, np.int64), np.empty(0, np.int64)
             lines = rows.splitlines()
             first = bisect_right(lines, above, key=lambda line: int(line.split(None, 1)[0]))
@@ -309,7 +310,7 @@ def _frame(text: bytes, place: Place, kinds: Ints, next_id: int) -> Frame:
     if bounds.shape != (3, 2) or bounds[:, 0].any():
         raise DamagedError("its box does not begin at the origin, or is tilted")
     columns = tuple(name.decode() for name in header[10].split()[2:])
-    if columns not in (PARTICLE_COLUMNS, PARTICLE_COLUMNS + STATE_COLUMNS):
+    if columns not in (PARTICLE_COLUMNS, OLDER_COLUMNS, PARTICLE_COLUMNS + STATE_COLUMNS):
         raise DamagedError(f"its columns are {' '.join(columns)}")
     values = _numbers(rows, int(header[5]))
     whole = values[:, [0, 1, *(n for n in WHOLE_COLUMNS if n < len(columns))]]
@@ -335,7 +336,7 @@ def _frame(text: bytes, place: Place, kinds: Ints, next_id: int) -> Frame:
         kinds=numbers.astype(np.int64),
         positions=values[:, 2:5].copy(),
         state=state,
-        next_id=next_id,
+        next_id=ABSENT if columns == OLDER_COLUMNS else next_id,
     )
 
 
