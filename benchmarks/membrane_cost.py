@@ -54,7 +54,7 @@ def styles(scene: Scene, folder: Path) -> dict[str, list[str]]:
     table = stretch_table(scene)
     table.write(folder / "stretch.table")
     half = scene.membrane.bending_stiffness / 2
-    ours = Terms(scene.replace(**{"numerics.pair_form": "analytic"})).stretch
+    ours = Terms.of(scene.replace(**{"numerics.pair_form": "analytic"})).stretch
     stretch = ["bond_style skin/stretch", f"bond_coeff 1 {ours.coefficients}"]
     bend = ["dihedral_style skin/bend", f"dihedral_coeff 1 {2 * half}"]
     stock_stretch = [

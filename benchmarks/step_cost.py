@@ -56,7 +56,7 @@ def grown(scene: Scene, until: float) -> Configuration:
 
 def stock(scene: Scene, configuration: Configuration, folder: Path) -> Any:
     """The same particles in stock styles."""
-    terms, tables = Terms(scene), stock_tables(scene)
+    terms, tables = Terms.of(scene), stock_tables(scene)
     for table in [*tables.values(), stretch_table(scene)]:
         table.write(folder / f"{table.keyword}.table")
     configuration.write_data(folder / "stock.data", scene.kinds)
@@ -103,7 +103,7 @@ def stock(scene: Scene, configuration: Configuration, folder: Path) -> Any:
 
 def uncored(scene: Scene) -> dict[str, object]:
     """Variables with which nobody watches how close particles come."""
-    return {"has_cores": 0, "pair_styles": " ".join(term.style for term in Terms(scene).pairs)}
+    return {"has_cores": 0, "pair_styles": " ".join(term.style for term in Terms.of(scene).pairs)}
 
 
 def half(scene: Scene) -> float:
@@ -112,7 +112,7 @@ def half(scene: Scene) -> float:
 
 def stock_tables(scene: Scene) -> dict[tuple[int, int], Table]:
     """One table for each pair of types: the sum of its terms; nothing at all as zeros."""
-    shapes = Terms(scene).pair_potentials
+    shapes = Terms.of(scene).pair_potentials
     kinds = scene.kinds
     tables = {}
     for i, first in enumerate(kinds, 1):

@@ -187,7 +187,7 @@ def test_parameter_sets() -> None:
 
     x = np.linspace(1.0, 2.0, 10_001)
     pulls = [
-        Terms(scene).adhesion / scene.contact
+        Terms.of(scene).adhesion / scene.contact
         * potentials.adhesion_slope(x, scene.cells.adhesion_range).max()
         for scene in scenes
     ]  # fmt: skip

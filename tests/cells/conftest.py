@@ -222,7 +222,7 @@ def told_events(scene: Scene, seed: int, founders: dict[int, float], until: floa
 
     Founders are the ids of the stem cells and the times of their first divisions.
     """
-    _, start, rate, end = Terms(scene).division
+    _, start, rate, end = Terms.of(scene).division
     left = dict.fromkeys(founders, math.inf)
     done: Counter[int] = Counter()
     due = [(time, cell) for cell, time in founders.items()]

@@ -208,7 +208,7 @@ def test_removal_does_not_wait_for_others(
 def test_what_comes_first_ends_the_pair(grown: float, dying: int, tmp_path: Path) -> None:
     """The pair grows up and one of it detaches between two steps that handle events."""
     scene = membrane_scene(**{"numerics.timestep": 0.02, "numerics.event_interval": 0.2})
-    _, start, rate, end = Terms(scene).division
+    _, start, rate, end = Terms.of(scene).division
     crossing, found = 0.09, 0.1
     heights = [1.2 * CONTACT - crossing if cell == dying else NEAR for cell in (673, 674)]
     row = place(scene, []).positions[:6:5]

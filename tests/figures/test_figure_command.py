@@ -5,7 +5,7 @@ from __future__ import annotations
 import matplotlib.image
 import pytest
 
-from tests.cli.conftest import refused, skin  # noqa: F401
+from tests.cli.conftest import refused  # noqa: F401
 
 SMALL = (
     "--set", "membrane.lattice=[24,28]", "--set", "dermis.present=false", "--set", "cells.stem=1",
@@ -13,14 +13,14 @@ SMALL = (
 )  # fmt: skip
 
 
-def test_a_snapshot_between_frames_names_the_frame(skin, run, tmp_path):  # noqa: F811
+def test_a_snapshot_between_frames_names_the_frame(skin, run, tmp_path):
     answer = skin("snapshot", run, "--time", 6.5, "--view", "section", "-o", "x.png")
     assert answer.out.strip() == "x.png: the frame at t = 5"
     assert skin("snapshot", run, "--time", 6.5, "--view", "section").code == 0
     assert (run / "snapshot-section-t5.png").exists()
 
 
-def test_snapshot(skin, run, tmp_path):  # noqa: F811
+def test_snapshot(skin, run, tmp_path):
     answer = skin("snapshot", run, "--time", 5, "--view", "section", "-o", "new/picture.png")
     assert answer.code == 0
     assert answer.out.strip() == "new/picture.png"
@@ -40,7 +40,7 @@ def test_snapshots_that_cannot_be_are_refused(refused, run, options, text):  # n
     assert refused("snapshot", run, *options).startswith(text)
 
 
-def test_figures_are_listed_with_what_they_cost(skin):  # noqa: F811
+def test_figures_are_listed_with_what_they_cost(skin):
     answer = skin("figure", "--quick")
     assert answer.code == 0
     lines = answer.out.splitlines()
@@ -48,7 +48,7 @@ def test_figures_are_listed_with_what_they_cost(skin):  # noqa: F811
     assert any("chi_H" in line and "24 runs" in line for line in lines)
 
 
-def test_a_figure_that_needs_no_run(skin, tmp_path):  # noqa: F811
+def test_a_figure_that_needs_no_run(skin, tmp_path):
     answer = skin("figure", 1, "-o", "out")
     assert (answer.code, answer.out.strip()) == (0, "out/figure-1.png: the potentials")
     assert matplotlib.image.imread(tmp_path / "out/figure-1.png").std() > 0.05
@@ -66,7 +66,7 @@ def test_unknown_figures_are_refused(refused):  # noqa: F811
     assert refused("figure", 3, "--seeds", "one").startswith("--seeds one: must be")
 
 
-def test_missing_runs_are_run(skin, tmp_path):  # noqa: F811
+def test_missing_runs_are_run(skin, tmp_path):
     """A small scene in place of the paper's, and from then on nothing is missing."""
     first = skin("figure", 2, "--yes", "--quick", *SMALL)
     assert first.code == 0, first.err

@@ -306,13 +306,13 @@ def test_momentum(term: str, shape: str, parameters: str) -> None:
 def tables(case: Prepared, **changes: object) -> dict[str, Table]:
     """Return the tables of a scene by term."""
     scene = case.scene.replace(**changes)
-    return Terms(scene).tables | {"stretch": stretch_table(scene)}
+    return Terms.of(scene).tables | {"stretch": stretch_table(scene)}
 
 
 @pytest.mark.parametrize("force_scale", ["printed", "direct"])
 def test_table_of_links_has_the_coefficients_of_the_style(force_scale: str) -> None:
     scene = small_scene(FULL, force_scale=force_scale)
-    stiffness, contact, *shape = map(float, Terms(scene).stretch.coefficients.split())
+    stiffness, contact, *shape = map(float, Terms.of(scene).stretch.coefficients.split())
     table = stretch_table(scene)
     r = table.distances
     u = stiffness * potentials.stretch(r / contact, *shape)
@@ -367,3 +367,9 @@ def test_last_point_is_inside(term: str, contact: float, reach: float, slope: fl
     assert table.outer == pytest.approx(contact * reach, rel=1e-12)
     last = table.force(table.distances[-1:])[0]
     assert last == pytest.approx(-0.04 * slope / contact, rel=1e-9)
+
+
+def test_terms_are_worked_out_once() -> None:
+    scene = small_scene(FULL)
+    assert Terms.of(scene) is Terms.of(scene.replace())
+    assert Terms.of(scene) is not Terms.of(scene.replace(**{"membrane.elasticity": 1.3}))

@@ -79,7 +79,7 @@ def attachment_energies(scene: Scene, state: Configuration) -> tuple[float, floa
     assert (x[adhering] > lam).any()
     assert (x[bound] < 1).any()
     assert (x[bound] > 1).any()
-    terms = Terms(scene)
+    terms = Terms.of(scene)
     return (
         terms.adhesion * float(potentials.adhesion(x[adhering], lam).sum()),
         terms.binding * float(potentials.binding(x[bound]).sum()),
@@ -89,7 +89,7 @@ def attachment_energies(scene: Scene, state: Configuration) -> tuple[float, floa
 def division_energy(scene: Scene, state: Configuration) -> float:
     pair = np.flatnonzero(state.pair)
     distance = float(np.linalg.norm(between(state, pair[:1], pair[1:])))
-    stiffness, start, rate, _ = Terms(scene).division
+    stiffness, start, rate, _ = Terms.of(scene).division
     return stiffness * float(potentials.division_spring(distance, start + rate * AGE))
 
 

@@ -35,7 +35,7 @@ def curves(scene: Scene) -> dict[str, Curve]:
     x is the distance over the contact length, the angle between the normals of two triangles
     (bend), or the distance of a dividing pair of age `AGE` (division).
     """
-    membrane, cells, terms = scene.membrane, scene.cells, Terms(scene)
+    membrane, cells, terms = scene.membrane, scene.cells, Terms.of(scene)
     x = np.linspace(0.85, 1.6, POINTS)
     found = {
         "adhesion": Curve("x", x, terms.adhesion * potentials.adhesion(x, cells.adhesion_range)),

@@ -41,7 +41,7 @@ def stiffest(scene: Scene) -> Stiffest:
 
 
 def _motions(scene: Scene) -> Iterator[Stiffest]:
-    membrane, terms = scene.membrane, Terms(scene)
+    membrane, terms = scene.membrane, Terms.of(scene)
     limit = scene.numerics.stiffness_limit or math.inf
     yield Stiffest("links of the membrane", min(6 * _link(scene), limit))
     for kind in scene.cell_kinds:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -109,11 +109,17 @@ class Terms:
 
     Examples
     --------
-    >>> terms = Terms(Scene.load("two-cells"))
+    >>> terms = Terms.of(Scene.load("two-cells"))
     >>> [term.style for term in terms.pairs]
     """
 
     scene: Scene
+
+    @staticmethod
+    @lru_cache(maxsize=16)
+    def of(scene: Scene) -> Terms:
+        """The terms of a scene; the same ones for all that ask."""
+        return Terms(scene)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

@@ -172,7 +172,7 @@ def configuration_of(text: Text, scene: Scene) -> Configuration:
         divisions_left=np.array(text.divisions_left, int),
         time=text.time,
     )
-    _, start, rate, end = Terms(scene).division
+    _, start, rate, end = Terms.of(scene).division
     for i, j, length in text.pairs:
         if not 0 <= length <= end:
             raise ConfigurationError(
@@ -245,7 +245,7 @@ def evaluate(
 
 def _adhesion_plateau(scene: Scene, configuration: Configuration) -> float:
     """The plateau of u_ad that the pairs within its range have in the unshifted convention."""
-    adhesion = Terms(scene).pair_potentials.get("cell_cell_adhesion")
+    adhesion = Terms.of(scene).pair_potentials.get("cell_cell_adhesion")
     if adhesion is None:
         return 0.0
     pairs = _pairs_within(configuration, adhesion.range * adhesion.contact)

@@ -331,7 +331,7 @@ def _open(
 ) -> Any:  # fmt: skip
     """LAMMPS with the scene that is built in a directory."""
     arguments = (
-        directory, scene.kinds, Terms(scene).names,
+        directory, scene.kinds, Terms.of(scene).names,
         {**variables, "running": 0, "dump_interval": 0, "restart_file": PART}, threads,
     )  # fmt: skip
     try:

@@ -66,7 +66,7 @@ def build(
 
 
 def _write(scene: Scene, scripts: Path, directory: Path, configuration: Configuration) -> None:
-    terms = Terms(scene)
+    terms = Terms.of(scene)
     for script in SCRIPTS:
         if _needed(script, scene):
             shutil.copyfile(scripts / script, directory / script)

@@ -293,7 +293,7 @@ class Configuration:
         delta = self.positions[self.links[:, 0]] - self.positions[self.links[:, 1]]
         delta[:, :2] -= self.box[:2] * np.round(delta[:, :2] / self.box[:2])
         lengths = np.linalg.norm(delta, axis=1)
-        longest = Terms(scene).longest_link
+        longest = Terms.of(scene).longest_link
         bad = np.flatnonzero((lengths == 0) | (lengths >= longest))
         if len(bad):
             i, j = self.links[bad[0]]
@@ -402,7 +402,7 @@ def _array(
 
 def check_sizes(scene: Scene, box: Sequence[float] | Floats) -> None:
     """Raise `SceneError` if the box is too small for the scene's ranges, or the dermis too big."""
-    ranges = Terms(scene).cutoffs
+    ranges = Terms.of(scene).cutoffs
     term = max(ranges, key=lambda name: ranges[name])
     skin = scene.numerics.neighbor_skin
     if ranges[term] + 2 * skin > min(box):

@@ -157,7 +157,7 @@ def _push_apart(engine: Any, scene: Scene, is_flat: bool) -> None:
 
 def _relax(engine: Any, scene: Scene, folder: Path) -> None:
     """The scene's own dermal forces."""
-    terms = Terms(scene)
+    terms = Terms.of(scene)
     pairs = {term.name: term for term in terms.pairs}
     between, above = pairs["dermis_dermis"], pairs["dermis_membrane"]
     for term in (between, above):

@@ -16,7 +16,6 @@ from lammps_skin.start.configuration import Configuration
 from lammps_skin.study.stability.hessian import largest_eigenvalue
 
 from tests.cells.conftest import CONTACT, HALF_SEPARATION, HEIGHT, place
-from tests.cli.conftest import skin  # noqa: F401
 
 LEVELS = ["reference", "balanced", "fast"]
 SOFT = {"membrane.stretch_stiffness": 0.0, "membrane.bending_stiffness": 0.0,
@@ -107,7 +106,7 @@ def test_sizes_beyond_all_measure(key: str, size: float) -> None:
         ),
     ],
 )
-def test_command_warns(skin, changes: dict[str, Any], told: str) -> None:  # noqa: F811
+def test_command_warns(skin, changes: dict[str, Any], told: str) -> None:
     """`skin check` and `skin run` say so, and go on."""
     settings = [f"--set={key}={value}" for key, value in changes.items()]
     level = [] if "numerics.accuracy" in changes else ["--set=numerics.accuracy=reference"]
