@@ -1,7 +1,8 @@
 """Who descends from whom: clones, their sizes, births and removals, and how clones mix.
 
-A clone is a cell of the initial state (its founder) and all its descendants. In a run that begins
-with the state of another one, the cells of that state are founders.
+A clone is a cell that was not born in the run (its founder) and all its descendants: a cell of the
+initial state, or one that an intervention has added. In a run that begins with the state of another
+one, the cells of that state are founders.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +18,7 @@ from numpy.typing import NDArray
 from lammps_skin.analysis.geometry import Box, periodic_tree
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import SkinError
-
-COLUMNS = ("time", "kind", "id", "parent", "type", "x", "y", "z", "divisions_left", "cause")
+from lammps_skin.event_log import ADDITION, BIRTH, COLUMNS, ENTERING, LEAVING
 
 
 class Events(NamedTuple):
@@ -28,10 +28,11 @@ class Events(NamedTuple):
     ----------
     time : (e,) array
     kind : (e,) array of str
-        birth, death or division_end.
+        birth, death or division_end, and removal, conversion, addition or change of an
+        intervention, whose name is the cause.
     id, parent : (e,) arrays of int
-        The cell and its mother (0: none is known); at the end of a division the younger
-        and the older cell of the pair.
+        The cell (0 of a change) and its mother (0: none is known); at the end of a division the
+        younger and the older cell of the pair.
     type : (e,) array of int
         `Kind` of the cell.
     position : (e, 3) array
@@ -67,9 +68,9 @@ class Events(NamedTuple):
             cause=column("cause"),
         )
 
-    def of(self, kind: str) -> Events:
-        """The events of one kind."""
-        chosen = self.kind == kind
+    def of(self, *kinds: str) -> Events:
+        """The events of one kind or of several."""
+        chosen: Any = np.isin(self.kind, kinds)
         return Events(*(column[chosen] for column in self))
 
 
@@ -79,8 +80,8 @@ class Turnover(NamedTuple):
     Attributes
     ----------
     births, removals : (t, f) arrays of int
-        Numbers of events; their sums over the last axis are those of all clones, divided by the
-        lengths of the intervals they are rates.
+        Numbers of events, without cells that interventions add; their sums over the last axis are
+        those of all clones, divided by the lengths of the intervals they are rates.
     """
 
     births: Ints
@@ -114,7 +115,7 @@ def read_events(path: str | Path) -> Events:
 
 def founder_of(ids: Ints, events: Events) -> Ints:
     """Founder (n,) of every cell in ids (n,): the first ancestor, itself if it was never born."""
-    births = events.of("birth")
+    births = events.of(BIRTH)
     order = np.argsort(births.id)
     born, mother = births.id[order], births.parent[order]
     twice = born[1:][born[1:] == born[:-1]]
@@ -135,11 +136,16 @@ def founder_of(ids: Ints, events: Events) -> Ints:
         ancestor[has_mother] = mother[place[has_mother]]
 
 
+def with_added(founders: Ints, events: Events) -> Ints:
+    """Ids of the founders (f,) of the initial state, followed by those that were added later."""
+    return np.concatenate([founders, events.of(ADDITION).id])
+
+
 def living(events: Events, founders: Ints, time: float) -> Ints:
     """Ids, sorted, of the cells that live at a time; an event counts from its time on."""
-    births, deaths = events.of("birth"), events.of("death")
-    born = np.concatenate([founders, births.id[births.time <= time]])
-    return np.setdiff1d(born, deaths.id[deaths.time <= time])
+    begun, ended = events.of(*ENTERING), events.of(*LEAVING)
+    cells = np.concatenate([founders, begun.id[begun.time <= time]])
+    return np.setdiff1d(cells, ended.id[ended.time <= time])
 
 
 def clone_sizes(events: Events, founders: Ints, times: Floats | Sequence[float]) -> Ints:
@@ -149,14 +155,16 @@ def clone_sizes(events: Events, founders: Ints, times: Floats | Sequence[float])
     ----------
     events : Events
     founders : (f,) array of int
-        Ids of the cells of the initial state; a cell that never divides leaves no event.
+        Ids of the cells of the initial state, and of those that were added: see `with_added`. A
+        cell that never divides leaves no event.
     times : (t,) array
         In any order; an event counts from its time on.
     """
     times = np.asarray(times, float)
-    size = np.ones((len(times), len(founders)), np.int64)
-    for kind, change in (("birth", 1), ("death", -1)):
-        chosen = events.of(kind)
+    first = ~np.isin(founders, events.of(ADDITION).id)
+    size = np.tile(first.astype(np.int64), (len(times), 1))
+    for kinds, change in ((ENTERING, 1), (LEAVING, -1)):
+        chosen = events.of(*kinds)
         clone = _clone_index(chosen, events, founders)
         for number in range(len(founders)):
             # already in the order of time
@@ -179,8 +187,8 @@ def turnover(events: Events, founders: Ints, edges: Floats | Sequence[float]) ->
     """
     bins = [np.asarray(edges, float), np.arange(len(founders) + 1) - 0.5]
     counts = []
-    for kind in ("birth", "death"):
-        chosen = events.of(kind)
+    for kinds in ((BIRTH,), LEAVING):
+        chosen = events.of(*kinds)
         clone = _clone_index(chosen, events, founders)
         counts.append(np.histogram2d(chosen.time, clone, bins)[0].astype(np.int64))
     return Turnover(*counts)

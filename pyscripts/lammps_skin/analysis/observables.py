@@ -21,6 +21,7 @@ from lammps_skin.analysis.coverage import count_by_kind
 from lammps_skin.analysis.lineage import Events, read_events
 from lammps_skin.analysis.state import State, StateAnalysis, scene_and_triangles
 from lammps_skin.errors import MembraneError, SkinError
+from lammps_skin.event_log import BIRTH, LEAVING
 from lammps_skin.files import atomic_write
 from lammps_skin.kinds import KINDS, Kind, is_cell
 from lammps_skin.model.scene import Scene
@@ -92,7 +93,8 @@ class Observables(StateAnalysis):
     def __init__(self, universe: Any, events: Events | None = None, **options: Any) -> None:
         super().__init__(universe, **options)
         self.columns = columns(self.scene.kinds_of_cells)[1:]
-        self._logged = [events.of(kind).time for kind in ("birth", "death")] if events else []
+        logged = (BIRTH,), LEAVING
+        self._logged = [events.of(*kinds).time for kinds in logged] if events else []
 
     def _measure(self, state: State) -> tuple[float, ...]:
         until = state.time * (1 + 1e-9)  # times in the log have ten digits

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from lammps_skin.analysis.energies import read_energies
-from lammps_skin.analysis.lineage import Events, clone_sizes, turnover
+from lammps_skin.analysis.lineage import Events, clone_sizes, turnover, with_added
 from lammps_skin.analysis.observables import Observables, Run, Table, is_fraction, open_run
 from lammps_skin.analysis.series import CloneMixing
 from lammps_skin.analysis.state import State, StateAnalysis
 from lammps_skin.analysis.statistics import mean_in_time
 from lammps_skin.arrays import Ints
 from lammps_skin.errors import SkinError
+from lammps_skin.event_log import ADDITION, BIRTH, LEAVING, by_intervention
 
 LATE = 0.6  # of the time that a trajectory covers: where its late window begins
 CUMULATIVE = ("time", "births", "deaths")
@@ -38,7 +39,8 @@ def summary(path: str | Path, window: Window | None = None) -> dict[str, Any]:
     dict
         ``run``: what was run and how far. ``observables``: list over frames for each column.
         ``window``: its times, frames, and the mean of each column with error and 95 % interval,
-        see `statistics.mean_in_time`. ``events``: births, removals by cause, clones, mixing;
+        see `statistics.mean_in_time`. ``events``: births, removals by cause, interventions, clones,
+        mixing;
         None without an event log. ``energies``: of each term at the start, at the end and its
         mean in the window; None without a log. Undefined values are NaN.
 
@@ -116,7 +118,7 @@ def _events(run: Run, events: Events, window: Window) -> dict[str, Any]:
     cells = _Cells(run.universe).run(frames=[0, last])
     (start, founders, kinds), (end, living, _) = cells.rows
     events = Events(*(column[events.time <= end] for column in events))
-    births, deaths = events.of("birth"), events.of("death")
+    births, deaths = events.of(BIRTH), events.of(*LEAVING)
     try:
         mixing = CloneMixing(run.universe, events).run(start=last).results.mixing
         begins = math.isclose(start, run.scene.begins, abs_tol=1e-9)
@@ -127,6 +129,7 @@ def _events(run: Run, events: Events, window: Window) -> dict[str, Any]:
         "births": len(births.id),
         "removals": len(deaths.id),
         "removals_by_cause": dict(Counter(deaths.cause.tolist())),
+        "interventions": by_intervention(events.kind.tolist(), events.cause.tolist()),
         "births_per_time": _rate(births, window),
         "removals_per_time": _rate(deaths, window),
         "cells": len(living),
@@ -140,6 +143,8 @@ def _clones(
 ) -> list[dict[str, Any]]:
     """Founder, births, removals and size at the end of each clone, the largest first."""
     start, end = between
+    added = events.of(ADDITION)
+    founders, kinds = with_added(founders, events), np.concatenate([kinds, added.type])
     happened = turnover(events, founders, [start, max(end, start + 1.0)])
     sizes = clone_sizes(events, founders, [end])[0]
     columns = {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,6 +9,7 @@ from lammps_skin.analysis.basal_layer import number_below, remark
 from lammps_skin.analysis.coverage import count_by_kind, coverage
 from lammps_skin.cli.progress import Progress
 from lammps_skin.engine.engine import Motion
+from lammps_skin.event_log import ADDITION, BIRTH, COLUMNS, LEAVING, by_intervention
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.run.simulation import Simulation
 
@@ -65,7 +65,7 @@ class RunMonitor:
         self._particles = len(self._simulation.forces().ids)
 
     def _look(self, time: float) -> None:
-        """Cells by kind; births from the next id, since they are given in turn and never again."""
+        """Cells by kind; new ones from the next id, since they are given in turn, never again."""
         cells = self._simulation.cells()
         self.time = time
         self.counts = count_by_kind(cells.types, self._simulation.scene.kinds_of_cells)
@@ -92,12 +92,17 @@ class RunMonitor:
 
     def lines(self, log: Path) -> Iterator[str]:
         """What has happened; the event log also has what came and went between two looks."""
+        done: dict[str, str] = {}
         if log.exists():
-            rows = log.read_text("utf-8").splitlines()[1:]
-            events = Counter(row.split(",")[1] for row in rows if row.count(",") > 1)
-            self.births = max(self.births, events["birth"])
-            self.removals = max(self.removals, events["death"])
+            rows = (row.split(",") for row in log.read_text("utf-8").splitlines()[1:])
+            whole = [row for row in rows if len(row) == len(COLUMNS)]
+            kinds, causes = [row[1] for row in whole], [row[-1] for row in whole]
+            self.births = max(self.births - kinds.count(ADDITION), kinds.count(BIRTH))
+            self.removals = max(self.removals, sum(kind in LEAVING for kind in kinds))
+            done = by_intervention(kinds, causes)
         yield f"{self.living()}; {self.births} births, {self.removals} removals"
+        for name, what in done.items():
+            yield f"{name}: {what}"
         yield from self._tissue
         if self._motion and self._motion.steps and (self._motion.divided or self._motion.lowered):
             divided = self._motion.divided / self._motion.steps

@@ -32,7 +32,7 @@ from lammps_skin.run.simulation import Simulation, check_run, start_time
 from lammps_skin.start.configuration import Configuration
 
 FILES = {
-    "events.csv": "births, ends of divisions, removals",
+    "events.csv": "births, ends of divisions, removals, interventions",
     "skin.h5": "trajectory",
     "log.lammps": "energies by term and numbers of cells against time",
 }

@@ -120,6 +120,7 @@ def _happened(events: dict[str, Any]) -> Iterator[tuple[str, ...]]:
     causes = (f"{number:,} {cause}" for cause, number in events["removals_by_cause"].items())
     yield "births", f"{events['births']:,}"
     yield "removals", ", ".join(causes) or "0"
+    yield from events["interventions"].items()
     yield (
         "births, removals per time unit",
         (f"{_number(events['births_per_time'])}, {_number(events['removals_per_time'])}"),

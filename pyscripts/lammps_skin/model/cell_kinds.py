@@ -6,7 +6,7 @@ Everything else asks this table what a kind does; nothing depends on the name of
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -172,10 +172,17 @@ def _rgb(color: str) -> Colour:
     return red, green, blue
 
 
-def reached(table: Mapping[str, CellKind]) -> tuple[CellKind, ...]:
-    """The kinds that can occur: those of the first cells, and all that can come of them."""
+def reached(table: Mapping[str, CellKind], made: Iterable[str] = ()) -> tuple[CellKind, ...]:
+    """The kinds that can occur: those of the first cells, and all that can come of them.
+
+    Parameters
+    ----------
+    table : mapping
+    made : iterable of str
+        Labels of kinds of which there are cells later.
+    """
     found: set[str] = set()
-    new = {label for label, kind in table.items() if kind.count}
+    new = {label for label, kind in table.items() if kind.count} | {*made}
     while new:
         found |= new
         new = {label for one in new for label in table[one].next_kinds} - found

@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from lammps_skin.model.accuracy import DEFAULT_LEVEL, Level
 
+USUAL_END = 1000.0  # time at which a run ends that says nothing of it
 LARGEST = 1e12  # of any number, so that products of several stay finite
 Positive = Annotated[float, Field(gt=0, le=LARGEST, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, le=LARGEST, allow_inf_nan=False)]

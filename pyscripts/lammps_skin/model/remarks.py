@@ -6,16 +6,18 @@ import math
 from collections.abc import Iterator
 
 from lammps_skin.model.accuracy import fits, longest_timestep
+from lammps_skin.model.interventions import place
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.stiffness import warning
 
 
 def remarks(scene: Scene) -> Iterator[str]:
     """Lines: a timestep that is shorter for an interval, times that are no whole number of steps,
-    and a timestep that cannot be stable."""
+    a timestep that cannot be stable, and interventions that do not happen."""
     numerics = scene.numerics
     timestep = numerics.timestep
-    longest = longest_timestep(numerics.accuracy, numerics.integrator, scene.shortest_cycle)
+    cycle = min(stage.shortest_cycle for stage in scene.stages)
+    longest = longest_timestep(numerics.accuracy, numerics.integrator, cycle)
     given = "timestep" in scene.given().get("numerics", {})
     if longest and timestep < longest and not given:
         keys = [f"{key} = {time:g}" for key, time in _times(scene) if not fits(time, longest)]
@@ -33,6 +35,21 @@ def remarks(scene: Scene) -> Iterator[str]:
             )
     if unstable := warning(scene):
         yield unstable
+    yield from _of_interventions(scene)
+
+
+def _of_interventions(scene: Scene) -> Iterator[str]:
+    """Those that do not happen, and those of keys that are set a little later."""
+    timestep = scene.numerics.timestep
+    for one in scene.interventions:
+        said = f"{place(one)}.{'at' if one.at else 'every'} = {one.first:g}"
+        if one.first >= scene.end_time:
+            yield f"{said}: is not before end_time = {scene.end_time:g}, and does not happen"
+        elif one.first <= scene.begins and not one.every:
+            yield f"{said}: is not after start.time = {scene.begins:g}, and is not done again"
+        elif one.set and not fits(one.first, timestep):
+            later = math.ceil(one.first / timestep) * timestep
+            yield f"{said}: is no whole number of steps of {timestep:g}, and becomes {later:.9g}"
 
 
 def _times(scene: Scene) -> Iterator[tuple[str, float]]:

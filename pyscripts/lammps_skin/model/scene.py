@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 import tomllib
 from collections.abc import Iterator, Mapping
 from functools import cached_property
@@ -14,10 +13,13 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from lammps_skin.errors import SceneError
 from lammps_skin.kinds import Kind
-from lammps_skin.model import accuracy, parameters
-from lammps_skin.model.accuracy import DEFAULT_LEVEL, LEVELS
+from lammps_skin.model import interventions as changing
+from lammps_skin.model import parameters
 from lammps_skin.model.cell_kinds import CellKind, cell_kinds, contradictions, reached
+from lammps_skin.model.interventions import Intervention
+from lammps_skin.model.level import of_level
 from lammps_skin.model.parts import (
+    USUAL_END,
     Cells,
     Dermis,
     Membrane,
@@ -58,13 +60,14 @@ class Scene(Part):
         None, description="L_x, L_y, checked against the lattice from which the box is derived"
     )
     box_height: Annotated[Positive, Field(le=10_000)] = Field(100.0, description="L_z")
-    end_time: Positive = 1000.0
+    end_time: Positive = USUAL_END
     dermis: Dermis = Dermis()
     membrane: Membrane = Membrane()
     cells: Cells = Cells()
     numerics: Numerics = Numerics()
     output: Output = Output()
     start: Start = Start()
+    interventions: tuple[Intervention, ...] = Field((), description="done in the course of a run")
 
     smallest_lattice: ClassVar[tuple[int, int]] = (12, 14)
     _given: dict[str, Any] = PrivateAttr(default_factory=dict)
@@ -77,18 +80,19 @@ class Scene(Part):
 
         Paths in it are relative to a folder, the current one if none is given.
         """
-        raw = with_absolute_paths(given, folder or Path())
+        raw = changing.with_nested_changes(with_absolute_paths(given, folder or Path()))
         name = raw.get("parameters", parameters.DEFAULT)
         if not isinstance(name, str) or name not in parameters.SETS:
             raise SceneError(
                 f"parameters = {shown(name)}: must be one of {', '.join(parameters.SETS)}"
                 f"{near(name, parameters.SETS)}"
             )
-        defaults = merged(parameters.SETS[name], {"numerics": _of_level(raw)})
+        defaults = merged(parameters.SETS[name], {"numerics": of_level(raw)})
+        keys = as_tuples(merged(defaults, raw))
         try:
-            scene = cls.model_validate(as_tuples(merged(defaults, raw)))
+            scene = cls.model_validate(keys)
         except ValidationError as error:
-            raise SceneError(first_line(cls, error)) from None
+            raise SceneError(first_line(cls, error, keys)) from None
         scene._given = {**raw, "parameters": name}
         return scene
 
@@ -121,20 +125,25 @@ class Scene(Part):
 
     def replace(self, **changes: Any) -> Self:
         """A scene with some keys changed: ``scene.replace(**{"cells.seed": 3})``."""
-        given = merged({}, self._given)
+        given = self.given()
         for key, value in changes.items():
             *parts, last = key.split(".")
-            place = given
+            place: Any = given
             for part in parts:
-                place = place.setdefault(part, {})
-                if not isinstance(place, dict):
+                place = _below(place, part)
+                if not isinstance(place, (dict, list)):
                     raise SceneError(f"{key} = {shown(value)}: {part} has no keys")
+            if isinstance(place, list):
+                raise SceneError(f"{key} = {shown(value)}: {part} has no keys")
             place[last] = merged({}, value) if isinstance(value, Mapping) else value
         return type(self).from_dict(given)
 
     def given(self) -> dict[str, Any]:
         """What was given, as nested keys: enough to make this scene again."""
-        return merged({}, self._given)
+        given = merged({}, self._given)
+        if "interventions" in given:
+            given["interventions"] = [merged({}, entry) for entry in given["interventions"]]
+        return given
 
     # ---- derived quantities
 
@@ -168,7 +177,8 @@ class Scene(Part):
 
     @property
     def has_cells(self) -> bool:
-        return self.cell_count > 0
+        """Whether there are cells, from the start or later."""
+        return self.cell_count > 0 or any(one.add for one in self.interventions)
 
     @property
     def divides(self) -> bool:
@@ -196,7 +206,29 @@ class Scene(Part):
     @cached_property
     def cell_kinds(self) -> tuple[CellKind, ...]:
         """The kinds of cells that can occur, in the order of their numbers."""
-        return reached(self.cell_table)
+        made = [one.enters for one in self.interventions if one.enters]
+        found = {kind.label for stage in self.stages for kind in reached(stage.cell_table, made)}
+        return tuple(kind for label, kind in self.cell_table.items() if label in found)
+
+    @property
+    def stages(self) -> tuple[Self, ...]:
+        """This scene, and what it is after each of the interventions that set keys."""
+        return self, *self.later_stages
+
+    @cached_property
+    def later_stages(self) -> tuple[Self, ...]:
+        """What the scene is after each of the interventions that set keys."""
+        stages = [self]
+        for one in self.interventions:
+            if one.set:
+                stages.append(stages[-1]._with(one.set))
+        return tuple(stages[1:])
+
+    def _with(self, changes: Mapping[str, Any]) -> Self:
+        """This scene with other values of some keys, all else being as it is."""
+        keys = merged(self.model_dump(), changing.nested(changes))
+        keys["interventions"] = tuple(one for one in self.interventions if not one.set)
+        return type(self).model_validate(as_tuples(keys))
 
     @property
     def kinds_of_cells(self) -> tuple[Kind, ...]:
@@ -230,7 +262,7 @@ class Scene(Part):
 
     @property
     def shortest_cycle(self) -> float:
-        """Mean duration of the fastest cell cycle that the scene states."""
+        """Mean duration of the fastest cell cycle that the scene states at its start."""
         return min(kind.cycle for kind in self.cell_table.values())
 
     # ---- what the single keys cannot know
@@ -270,6 +302,41 @@ class Scene(Part):
         yield from self._cell_contradictions()
         yield from self._numerical_contradictions()
         yield from self._start_contradictions()
+        closest = 2 * self.cells.radius
+        yield from changing.contradictions(
+            self.interventions, self.cell_table, self.box_sides, closest
+        )
+        yield from self._stage_contradictions()
+
+    def _stage_contradictions(self) -> Iterator[str]:
+        """What is wrong with the scene after its interventions."""
+        former = self
+        for one in self.interventions:
+            place = changing.place(one)
+            if one.set:
+                try:
+                    stage = former._with(one.set)
+                except ValidationError as error:
+                    yield f"{place}.set: {first_line(type(self), error)}"
+                    return
+                for key in changing.KEPT_APART:
+                    was, is_now = (value_of(scene, key) for scene in (former, stage))
+                    if bool(was) != bool(is_now):
+                        yield (
+                            f"{place}.set.{key} = {is_now:g}: must be "
+                            f"{'greater than 0' if was else 0}, since this force keeps particles "
+                            f"apart, and neither ends nor begins in a run"
+                        )
+                former = stage
+        present = [kind.label for kind in self.cell_kinds]
+        for one in self.interventions:
+            for key in ("remove", "convert"):
+                for label in getattr(one, key) or ():
+                    if label not in (*present, changing.ALL):
+                        yield (
+                            f"{changing.place(one)}.{key} = {shown(label)}: there can be no cells "
+                            f"of this kind; there can be {', '.join(present) or 'none'}"
+                        )
 
     def _start_contradictions(self) -> Iterator[str]:
         start = self.start
@@ -317,8 +384,8 @@ class Scene(Part):
                 f"numerics.event_interval = {numerics.event_interval:g}: must be shorter than a "
                 f"cell cycle, {self.shortest_cycle:g}"
             )
-        if 0 < self.rounding < 1e-12:
-            yield f"numerics.rounding = {self.rounding:g}: must be 0 or at least 1e-12"
+        if numerics.rounding and numerics.rounding < 1e-12:
+            yield f"numerics.rounding = {numerics.rounding:g}: must be 0 or at least 1e-12"
         intervals = {
             "output.thermo_interval": (output.thermo_interval, 2**31 - 1),
             "output.dump_interval": (output.dump_interval, 2**31 - 1),
@@ -332,6 +399,22 @@ class Scene(Part):
                 yield f"{key} = {value:g}: more than {most:.3g} steps of {numerics.timestep:g}"
 
 
+def value_of(scene: Scene, key: str) -> Any:
+    """Value of a dotted key."""
+    found: Any = scene
+    for part in key.split("."):
+        found = getattr(found, part)
+    return found
+
+
+def _below(place: Any, part: str) -> Any:
+    """What a key leads to: in an array of tables the one of that name."""
+    if isinstance(place, dict):
+        return place.setdefault(part, {})
+    tables = (table for table in place if isinstance(table, dict))
+    return next((table for table in tables if table.get("name") == part), None)
+
+
 def _text(path: Path) -> str:
     """Text of a scene file; not of a device or a pipe, which may never end."""
     if path.exists() and not (path.is_file() or path.is_dir()):
@@ -339,32 +422,3 @@ def _text(path: Path) -> str:
     if path.is_file() and path.stat().st_size > LARGEST_FILE:
         raise SceneError(f"has more than {LARGEST_FILE} bytes")
     return path.read_text("utf-8-sig")  # with or without a byte order mark
-
-
-def _of_level(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Numerics of the level of accuracy, for what can be read of a scene not yet validated."""
-
-    def part(name: str) -> Mapping[str, Any]:
-        value = given.get(name)
-        return value if isinstance(value, Mapping) else {}
-
-    def time(keys: Mapping[str, Any], key: str, default: float) -> float:
-        value = keys.get(key, default)
-        usable = isinstance(value, (int, float)) and 0 < value <= sys.float_info.max
-        return float(value) if usable else default
-
-    level = part("numerics").get("accuracy", DEFAULT_LEVEL)
-    if not isinstance(level, str) or level not in LEVELS:
-        return {}
-    output, cells = Output(), Cells()
-    intervals = [time(part("output"), *item) for item in output.model_dump().items()]
-    delay = time(part("cells"), "cycle_delay", cells.cycle_delay)
-    rate = time(part("cells"), "cycle_rate", cells.cycle_rate)
-    rows = part("cells").get("kinds")
-    kinds = rows.values() if isinstance(rows, Mapping) else ()
-    cycle = min(
-        time(kind, "cycle_delay", delay) + 1 / time(kind, "cycle_rate", rate)
-        for kind in ({}, *(kind for kind in kinds if isinstance(kind, Mapping)))
-    )
-    end = time(given, "end_time", Scene.model_fields["end_time"].default)
-    return accuracy.numerics(level, part("numerics"), [end, *intervals], cycle)

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
+from types import UnionType
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
@@ -30,17 +31,33 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def to_toml(given: dict[str, Any], prefix: str = "") -> str:
-    """Nested keys as TOML."""
-    lines = [f"{key} = {_toml_value(v)}" for key, v in given.items() if not isinstance(v, dict)]
-    for key, value in given.items():
-        if isinstance(value, dict):
-            lines += ["", f"[{prefix}{key}]", to_toml(value, f"{prefix}{key}.").rstrip("\n")]
+    """Nested keys as TOML; tables in an array of tables are inline."""
+    tables = {key: value for key, value in given.items() if isinstance(value, dict)}
+    arrays = {key: value for key, value in given.items() if _holds_tables(value)}
+    lines = [
+        f"{key} = {_toml_value(value)}"
+        for key, value in given.items()
+        if key not in tables and key not in arrays
+    ]
+    for key, value in tables.items():
+        lines += ["", f"[{prefix}{key}]", to_toml(value, f"{prefix}{key}.").rstrip("\n")]
+    for key, value in arrays.items():
+        for table in value:
+            rows = (f"{inner} = {_toml_value(item)}" for inner, item in table.items())
+            lines += ["", f"[[{prefix}{key}]]", *rows]
     return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _holds_tables(value: Any) -> bool:
+    is_array = isinstance(value, (list, tuple))
+    return is_array and len(value) > 0 and all(isinstance(item, dict) for item in value)
 
 
 def _toml_value(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_toml_value(item) for item in value) + "]"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml_value(one)}" for key, one in value.items()) + "}"
     if isinstance(value, float):
         return repr(value)
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
@@ -57,24 +74,33 @@ def with_absolute_paths(given: Mapping[str, Any], folder: Path) -> dict[str, Any
 
 
 def as_tuples(given: Mapping[str, Any]) -> dict[str, Any]:
-    """TOML has arrays where the scene has pairs."""
-    return {
-        key: tuple(value)
-        if isinstance(value, list)
-        else as_tuples(value)
-        if isinstance(value, Mapping)
-        else value
-        for key, value in given.items()
-    }
+    """TOML has arrays where the scene has tuples."""
+    return {key: _as_tuple(value) for key, value in given.items()}
 
 
-def first_line(model: type[BaseModel], error: ValidationError) -> str:
-    """First problem of a validation as `key = value: what is allowed`."""
+def _as_tuple(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return as_tuples(value)
+    return tuple(map(_as_tuple, value)) if isinstance(value, list) else value
+
+
+def first_line(model: type[BaseModel], error: ValidationError, validated: Any = None) -> str:
+    """First problem of a validation as `key = value: what is allowed`.
+
+    Parameters
+    ----------
+    model : type
+    error : ValidationError
+    validated : mapping, optional
+        The keys, of which entries of arrays of tables are told by their `name`.
+    """
     problem = error.errors(include_url=False)[0]
-    parts = [part for part in problem["loc"] if isinstance(part, str)]
+    parts = list(_named(problem["loc"], validated))
     given = f"{dotted(parts)} = {shown(problem['input'])}"
     if problem["type"] == "value_error":
         return str(problem["msg"]).removeprefix("Value error, ")
+    if problem["type"] == "missing" and isinstance(problem["loc"][-1], str):
+        return f"{dotted(parts[:-1])}: needs {parts[-1]}"
     if problem["type"] == "extra_forbidden":
         beside = list(_part(model, parts[:-1]).model_fields)
         everywhere = {key.rpartition(".")[2]: key for key in _keys(model)}
@@ -82,11 +108,27 @@ def first_line(model: type[BaseModel], error: ValidationError) -> str:
         return f"{given}: unknown key; allowed: {', '.join(beside)}{guess}"
     what = _EXPECTED.get(problem["type"]) or str(problem["msg"]).replace("Input should", "must")
     guess = ""
+    if problem["type"] == "tuple_type" and _is_model(_below(_annotation(model, parts))):
+        what = "must be an array of tables of keys"
     if problem["type"] == "literal_error":
-        annotation = _part(model, parts[:-1]).model_fields[parts[-1]].annotation
+        annotation = _annotation(model, parts)
         inner = [get_args(one) for one in get_args(annotation)]  # of a key without a default
         guess = near(problem["input"], next(filter(None, inner), get_args(annotation)))
     return f"{given}: {what}{guess}"
+
+
+def _named(loc: Iterable[int | str], validated: Any) -> Iterator[str]:
+    """Keys of a place in what was validated, with names for the numbers of tables in arrays."""
+    for part in loc:
+        try:
+            validated = validated[part]
+        except (LookupError, TypeError):
+            validated = None
+        if isinstance(part, str):
+            yield part
+        elif isinstance(validated, Mapping):
+            name = validated.get("name")
+            yield name if isinstance(name, str) else str(part + 1)
 
 
 def near(word: Any, allowed: Iterable[str], names: Mapping[str, str] | None = None) -> str:
@@ -130,17 +172,32 @@ def shown(value: Any) -> str:
 
 def _part(model: type[BaseModel], parts: Iterable[str]) -> type[BaseModel]:
     """The part of a model that is reached by keys."""
+    part = _annotation(model, parts)
+    assert _is_model(part)
+    found: type[BaseModel] = part
+    return found
+
+
+def _annotation(model: type[BaseModel], parts: Iterable[str]) -> Any:
+    """The annotation of what is reached by keys; of an optional part that of the part."""
     annotation: Any = model
     for key in parts:
         below = _below(annotation)
-        annotation = below if isinstance(below, type) else annotation.model_fields[key].annotation
-    assert isinstance(annotation, type) and issubclass(annotation, BaseModel)
+        annotation = below if _is_model(below) else annotation.model_fields[key].annotation
+        if get_origin(annotation) is UnionType:
+            annotation = next(filter(_is_model, get_args(annotation)), annotation)
     return annotation
 
 
+def _is_model(annotation: Any) -> bool:
+    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+
+
 def _below(annotation: Any) -> Any:
-    """The model of each entry of a table whose names are free; None if it is no such table."""
-    return get_args(annotation)[1] if get_origin(annotation) is dict else None
+    """The model of each entry of a table whose names are free, or of an array; None of others."""
+    places: dict[Any, int] = {dict: 1, tuple: 0}
+    place = places.get(get_origin(annotation))
+    return None if place is None else get_args(annotation)[place]
 
 
 def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
@@ -148,7 +205,7 @@ def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
     for key, field in model.model_fields.items():
         below = _below(field.annotation)
         part: Any = below or field.annotation
-        if isinstance(part, type) and issubclass(part, BaseModel):
+        if _is_model(part):
             yield from _keys(part, f"{prefix}{key}." + ("NAME." if below else ""))
     for key in model.model_fields:
         yield f"{prefix}{key}"

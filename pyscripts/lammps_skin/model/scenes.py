@@ -42,6 +42,17 @@ def _of_kinds(words: str, stem: int, kinds: dict[str, dict[str, Any]]) -> dict[s
     }
 
 
+def _with(words: str, intervention: dict[str, Any]) -> dict[str, Any]:
+    """A scene like demo, but longer, with an intervention."""
+    return {
+        "description": words,
+        "end_time": 400.0,
+        "membrane": {"lattice": [40, 46]},
+        "cells": {"stem": 6, "arrangement": "ring"},
+        "interventions": [intervention],
+    }
+
+
 BUILT_IN: dict[str, dict[str, Any]] = {
     "demo": {
         "description": "a small patch of skin, from a few stem cells to crowding and removal",
@@ -109,5 +120,26 @@ BUILT_IN: dict[str, dict[str, Any]] = {
         "stem cells that adhere like TA cells, and may detach as these do",
         6,
         {"stem": {"adhesion": "adhesive"}},
+    ),
+    "wound": _with(
+        "all cells but the stem cells are removed from a round patch, which closes again",
+        {
+            "name": "wound",
+            "at": 300.0,
+            "remove": ["ta", "exhausted"],
+            "within": {"cylinder": [10.0, 9.96, 7.0]},
+        },
+    ),
+    "stiffening": _with(
+        "the dermis becomes four times as stiff under a crowd of cells",
+        {
+            "name": "stiffening",
+            "at": 300.0,
+            "set": {"dermis": {"stiffness": 0.16, "membrane_stiffness": 0.16}},
+        },
+    ),
+    "thinning": _with(
+        "every 60 time units a quarter of the stem cells is lost",
+        {"name": "thinning", "every": 60.0, "remove": "stem", "fraction": 0.25},
     ),
 }

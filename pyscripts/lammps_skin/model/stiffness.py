@@ -26,7 +26,7 @@ class Stiffest(NamedTuple):
 
 
 def stiffest(scene: Scene) -> Stiffest:
-    """The stiffest of what a scene is sure to come to.
+    """The stiffest of what a scene is sure to come to, at its start or after an intervention.
 
     Two particles that are bound by a spring k alone have the eigenvalue 2 k, a triangular network
     of them 6 k. Folds of a membrane under cells are stiffer by far. Crowds, where several springs
@@ -35,7 +35,8 @@ def stiffest(scene: Scene) -> Stiffest:
     """
     try:
         with np.errstate(all="ignore"):
-            return max(_motions(scene), key=lambda one: one.eigenvalue)
+            motions = (one for stage in scene.stages for one in _motions(stage))
+            return max(motions, key=lambda one: one.eigenvalue)
     except ArithmeticError:
         return Stiffest("nothing", 0.0)
 

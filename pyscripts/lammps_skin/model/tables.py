@@ -40,6 +40,13 @@ class Table:
         """Largest distance, the cutoff of a pair."""
         return float(self.distances[-1])
 
+    def same_as(self, other: Table) -> bool:
+        """Whether both have the same values."""
+        r = self.distances
+        return np.array_equal(r, other.distances) and np.array_equal(
+            self.energy(r), other.energy(r)
+        )
+
     def interpolation_error(self) -> float:
         """Largest error of the force between grid points, linear interpolation.
 

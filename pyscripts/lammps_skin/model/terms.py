@@ -8,7 +8,7 @@ A term whose shape is Lennard-Jones is exactly ``pair_style lj/cut``: K phi(d/D)
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -17,6 +17,7 @@ import numpy as np
 
 from lammps_skin.arrays import Floats
 from lammps_skin.model import potentials
+from lammps_skin.model.cell_kinds import CellKind
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.tables import Table, bond_grid, pair_grid
 
@@ -42,12 +43,27 @@ FIX_TERMS = ("adhesion", "binding", "division")
 
 @dataclass(frozen=True)
 class StyledTerm:
-    """A term as a LAMMPS style with its settings, its coefficients, and its table if it has one."""
+    """A term as a LAMMPS style with its settings, its coefficients, and its table if it has one.
+
+    `file` is the name of the table, without the suffix.
+    """
 
     name: str
     style: str
     coefficients: str
     table: Table | None = None
+    file: str = ""
+
+    @property
+    def argument(self) -> str:
+        """Coefficients as a command gives them, in a directory that LAMMPS knows as `dir`."""
+        return f"${{dir}}/{self.coefficients}" if self.table else self.coefficients
+
+    def same_as(self, other: StyledTerm) -> bool:
+        """Whether both are the same potential, whatever the names of their tables."""
+        if self.table and other.table:
+            return self.table.same_as(other.table)
+        return self.coefficients == other.coefficients
 
 
 @dataclass(frozen=True)
@@ -107,6 +123,12 @@ class DivisionSpring(NamedTuple):
 class Terms:
     """The terms of one scene; each property is worked out when it is first asked for.
 
+    Parameters
+    ----------
+    scene : Scene
+    edition : str
+        What the names of table files have at their end.
+
     Examples
     --------
     >>> terms = Terms.of(Scene.load("two-cells"))
@@ -114,6 +136,7 @@ class Terms:
     """
 
     scene: Scene
+    edition: str = ""
 
     @staticmethod
     @lru_cache(maxsize=16)
@@ -139,7 +162,10 @@ class Terms:
     @cached_property
     def pairs(self) -> tuple[StyledTerm, ...]:
         """The sub-styles of ``pair_style hybrid/overlay`` and their coefficients, in order."""
-        return tuple(_styled(pair, self.scene) for pair in self.pair_potentials.values())
+        return tuple(
+            _styled(pair, self.scene, name + self.edition)
+            for name, pair in self.pair_potentials.items()
+        )
 
     @cached_property
     def cores(self) -> dict[str, str]:
@@ -157,7 +183,8 @@ class Terms:
         if numerics.pair_form == "table":
             table = stretch_table(self.scene)
             style = f"table {numerics.table_style} {len(table.distances)}"
-            return StyledTerm("stretch", style, f"stretch.table {table.keyword}", table)
+            file = f"stretch{self.edition}"
+            return StyledTerm("stretch", style, f"{file}.table {table.keyword}", table, file)
         contact = 2 * membrane.radius
         scale = contact if self.scene.force_scale == "direct" else 1.0
         coefficients = (
@@ -168,8 +195,8 @@ class Terms:
 
     @cached_property
     def tables(self) -> dict[str, Table]:
-        """The tables that LAMMPS reads, by the name of their term."""
-        return {term.name: term.table for term in (*self.pairs, self.stretch) if term.table}
+        """The tables that LAMMPS reads, by the names of their files."""
+        return {term.file: term.table for term in (*self.pairs, self.stretch) if term.table}
 
     @property
     def wall(self) -> str:
@@ -191,6 +218,30 @@ class Terms:
         """K of the attachment of a cell: with direct forces times the contact length."""
         return stiffness * (self.scene.contact if self.scene.force_scale == "direct" else 1.0)
 
+    def kind(self, row: CellKind, present: Collection[str]) -> dict[str, str]:
+        """What a kind of cells does, by the keywords of fix skin/cells.
+
+        Parameters
+        ----------
+        row : CellKind
+        present : collection of str
+            Labels of the kinds that can occur.
+        """
+        values: dict[str, tuple[object, ...]] = {}
+        attached = () if row.adhesion == "none" else (self.attachment(row.stiffness),)
+        ends = (row.range,) if row.adhesion == "adhesive" else ()
+        values["law"] = row.adhesion, *attached, *ends
+        if row.detaches:
+            values["detach"] = (row.range,)
+        if row.daughter:
+            values["cycle"] = row.cycle_delay, row.cycle_rate, row.first_phase
+            values["daughter"] = (row.daughter,)
+        if row.generations is not None:
+            values |= {"generations": (row.generations,), "last": (row.after_last,)}
+        if row.paired_with in present:
+            values["paired"] = row.paired_with, self.attachment(row.paired_stiffness)
+        return {key: " ".join(map(str, words)) for key, words in values.items()}
+
     @property
     def division(self) -> DivisionSpring:
         """The spring of dividing pairs."""
@@ -204,10 +255,19 @@ class Terms:
 
     @cached_property
     def cutoffs(self) -> dict[str, float]:
-        """Ranges of the pair terms and of adhesion, as far as the scene has them."""
-        found = {name: pair.contact * pair.range for name, pair in self.pair_potentials.items()}
+        """Ranges of the pair terms and of adhesion, as far as the scene has them.
+
+        The longest ones that they have in the course of a run.
+        """
+        stages = self.scene.stages
+        pairs = [pair for stage in stages for pair in _pair_potentials(stage)]
+        found = {
+            name: max(pair.contact * pair.range for pair in pairs if pair.name == name)
+            for name in self.pair_potentials
+        }
         if self.scene.has_cells:
-            found["adhesion"] = self.scene.longest_range * self.scene.contact
+            longest = max(stage.longest_range for stage in stages)
+            found["adhesion"] = longest * self.scene.contact
         return found
 
     @property
@@ -267,7 +327,7 @@ def _pair_potentials(scene: Scene) -> list[PairPotential]:
     return pairs
 
 
-def _styled(pair: PairPotential, scene: Scene) -> StyledTerm:
+def _styled(pair: PairPotential, scene: Scene, file: str) -> StyledTerm:
     """A pair term as the style that the scene wants."""
     numerics, cutoff = scene.numerics, pair.contact * pair.range
     if numerics.pair_form == "skin":
@@ -278,8 +338,8 @@ def _styled(pair: PairPotential, scene: Scene) -> StyledTerm:
         return StyledTerm(pair.name, f"lj/cut {cutoff!r}", coefficients)
     table = pair.table(numerics.table_points)
     style = f"table {numerics.table_style} {len(table.distances)}"
-    coefficients = f"{pair.name}.table {table.keyword} {cutoff!r}"
-    return StyledTerm(pair.name, style, coefficients, table)
+    coefficients = f"{file}.table {table.keyword} {cutoff!r}"
+    return StyledTerm(pair.name, style, coefficients, table, file)
 
 
 def _cores(pairs: list[PairPotential], form: str) -> dict[str, str]:

@@ -20,7 +20,7 @@ from lammps_skin.errors import SimulationError, SkinError
 from lammps_skin.files import atomic_write, put_in_place, remove_leftovers, set_aside, sync
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.results import EVENTS, LOG, MANIFEST, holds_results, restart_files
-from lammps_skin.start.build import SCRIPTS
+from lammps_skin.start.build import INTERVENTIONS, SCRIPTS
 from lammps_skin.trajectory.recorder import interval, steps_between
 from lammps_skin.trajectory.store import STORE
 
@@ -343,7 +343,8 @@ def _read_head(path: Path) -> tuple[int, str]:
 
 def _inputs(directory: Path) -> list[str]:
     """Files from which a run is made."""
-    names = [*SCRIPTS, "scene.in", SCENE_FILE, DATA, *(p.name for p in directory.glob("*.table"))]
+    tables = (path.name for path in directory.glob("*.table"))
+    names = [*SCRIPTS, "scene.in", INTERVENTIONS, SCENE_FILE, DATA, *tables]
     return sorted(name for name in names if (directory / name).exists())
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from lammps_skin.analysis.lineage import COLUMNS
+from lammps_skin.event_log import COLUMNS
 from lammps_skin.trajectory.store import DUMP, STORE
 
 EVENTS, LOG, MANIFEST = "events.csv", "log.lammps", "checkpoints.json"

@@ -14,6 +14,7 @@ from lammps_skin.engine.engine import Cells, Engine, Forces, Motion
 from lammps_skin.engine.ranks import RankedEngine
 from lammps_skin.engine.world import check_alone
 from lammps_skin.errors import SceneError, SimulationError, SkinError
+from lammps_skin.model.changes import Change, changes
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.stiffness import longest_timestep
 from lammps_skin.model.terms import Terms
@@ -70,6 +71,8 @@ class Simulation:
         self._recorder = Recorder(directory, scene, variables)
         self._checkpoints = Checkpoints(directory, scene, variables)
         self._engine: Any = _open(scene, directory, ranks, threads, variables, lock)
+        # the script has done those that are due when it is read
+        self._changes = [one for one in changes(scene) if self._step_of(one) > self._engine.step()]
         self._resources = ExitStack()
 
     @classmethod
@@ -266,7 +269,10 @@ class Simulation:
     def _run_to(self, step: int, interruption: Interruption) -> None:
         """Advance, with frames and checkpoints on the way; a moment to end well is after each."""
         engine, recorder, checkpoints = self._running, self._recorder, self._checkpoints
-        for stop in sorted({*recorder.stops(engine, step), *checkpoints.stops(engine, step)}):
+        changed = {self._step_of(change) for change in self._changes}
+        stops = {*recorder.stops(engine, step), *checkpoints.stops(engine, step)}
+        for stop in sorted(stops | {stop for stop in changed if stop < step}):
+            self._change()
             self.sound = False
             engine.run_to(stop, checkpoints.due(engine, stop))
             self._reached = self.time
@@ -274,6 +280,17 @@ class Simulation:
             checkpoints.finish(engine)
             self.sound = True
             interruption.check()
+
+    def _change(self) -> None:
+        """Change the coefficients that are due to change at this step."""
+        while self._changes and self._step_of(self._changes[0]) <= self._engine.step():
+            for command in self._changes.pop(0).commands:
+                self._engine.command(command)
+
+    def _step_of(self, change: Change) -> int:
+        """The first step that is not before its time, as in interventions.in."""
+        timestep = self._engine.timestep()
+        return change.first_step(self._engine.step(), self._engine.time(), timestep)
 
     def _remedy(self, error: str, timestep: float) -> str:
         """What to change after an error: a timestep that may be stable, and at most half of it."""

@@ -14,15 +14,18 @@ from typing import Any
 from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.errors import SceneError, one_line
 from lammps_skin.kinds import Kind
+from lammps_skin.model.changes import changes
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.model.terms import StyledTerm, Terms
 from lammps_skin.plugin import installed
 from lammps_skin.start.configuration import Configuration
+from lammps_skin.start.interventions import arguments, changes_script
 
 SCRIPTS = (
     "skin.in", "state.in", "membrane.in", "dermis.in", "cells.in", "integration.in", "output.in",
 )  # fmt: skip
+INTERVENTIONS = "interventions.in"
 CORE = 0.5  # of the contact length: no cell comes so close to the membrane
 
 
@@ -54,7 +57,8 @@ def build(
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=".building-", dir=directory) as folder:
             _write(scene, scripts, Path(folder), configuration)
-            (directory / SCENE_FILE).unlink(missing_ok=True)
+            for name in (SCENE_FILE, INTERVENTIONS):
+                (directory / name).unlink(missing_ok=True)
             for path in sorted(Path(folder).iterdir(), key=lambda path: path.name == SCENE_FILE):
                 path.replace(directory / path.name)
     except OSError as error:
@@ -72,6 +76,14 @@ def _write(scene: Scene, scripts: Path, directory: Path, configuration: Configur
             shutil.copyfile(scripts / script, directory / script)
     for name, table in terms.tables.items():
         table.write(directory / f"{name}.table")
+    changed = changes(scene)
+    for change in changed:
+        for name, table in change.tables.items():
+            table.write(directory / f"{name}.table")
+    if changed:
+        (directory / INTERVENTIONS).write_text(
+            "\n".join(changes_script(changed)) + "\n", encoding="utf-8"
+        )
     configuration.write_data(directory / "skin.data", scene.kinds)
     (directory / SCENE_FILE).write_text(to_toml(scene.given()), encoding="utf-8")
     lines = [f"# {scene.name}: {_comment(scene.description) or 'numbers of this scene'}", ""]
@@ -120,6 +132,7 @@ def _variables(terms: Terms, configuration: Configuration) -> Iterator[str]:
     yield "\n# parts"
     yield index("has_dermis", int(scene.dermis.present))
     yield index("has_cells", int(scene.has_cells))
+    yield index("has_changes", int(bool(scene.later_stages)))
     yield index("start_step", start_step)
     yield index("start_time", float(configuration.time))
     yield "\n# numerics"
@@ -175,28 +188,16 @@ def _cell_variables(terms: Terms, configuration: Configuration, string: Any) -> 
     yield string("pairs_stay", "no" if cells.removal_in_pair else "yes")
     yield string("apart", cells.division_distance * 2 * cells.radius)
     yield string("next_id", configuration.next_id)
+    yield string("interventions", " &\n                ".join(arguments(scene, configuration.time)))
 
 
 def _kind_arguments(terms: Terms) -> Iterator[str]:
     """Arguments of fix skin/cells, one line for each kind of cell."""
-    present = {row.label for row in terms.scene.cell_kinds}
-    for row in terms.scene.cell_kinds:
-        words: list[object] = ["kind", row.label, "type", row.label, "number", int(row.kind)]
-        words += ["law", row.adhesion]
-        if row.adhesion != "none":
-            words.append(terms.attachment(row.stiffness))
-        if row.adhesion == "adhesive":
-            words.append(row.range)
-        if row.detaches:
-            words += ["detach", row.range]
-        if row.daughter:
-            words += ["cycle", row.cycle_delay, row.cycle_rate, row.first_phase]
-            words += ["daughter", row.daughter]
-        if row.generations is not None:
-            words += ["generations", row.generations, "last", row.after_last]
-        if row.paired_with in present:
-            words += ["paired", row.paired_with, terms.attachment(row.paired_stiffness)]
-        yield " ".join(map(str, words))
+    rows = terms.scene.cell_kinds
+    labels = [row.label for row in rows]
+    for row in rows:
+        values = (f"{key} {value}" for key, value in terms.kind(row, labels).items())
+        yield " ".join(["kind", row.label, "type", row.label, f"number {row.kind:d}", *values])
 
 
 def _collections(scene: Scene) -> list[str]:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from lammps_skin.arrays import Ints
 from lammps_skin.errors import ConfigurationError, SceneError
 from lammps_skin.kinds import Kind, is_cell
-from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene import Scene, value_of
 from lammps_skin.model.scene_keys import shown
 from lammps_skin.start import lattice
 from lammps_skin.trajectory.dump import Dump
@@ -82,19 +81,12 @@ class Origin:
         if any(map(is_cell, kinds)):
             keys.append("cells.radius")
         for key in keys:
-            mine, theirs = _value(scene, key), _value(self.scene, key)
+            mine, theirs = value_of(scene, key), value_of(self.scene, key)
             if mine != theirs:
                 raise SceneError(
                     f"{key} = {shown(mine)}: must be {shown(theirs)}, that of the run {self.run} "
                     "from which the scene begins"
                 )
-
-
-def _value(scene: Scene, key: str) -> Any:
-    found: Any = scene
-    for part in key.split("."):
-        found = getattr(found, part)
-    return found
 
 
 def frame_of(run: str | Path, time: float | None) -> tuple[Frame, Ints, Ints, Origin]:

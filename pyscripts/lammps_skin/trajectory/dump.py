@@ -18,6 +18,7 @@ import numpy as np
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.engine.built import box_sides, load_built, variable
 from lammps_skin.errors import DamagedError, reading
+from lammps_skin.event_log import LEAVING
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.trajectory.check import check_frame
@@ -186,7 +187,7 @@ class Dump:
         with reading(f"event log {log}"):
             lines = log.read_text("utf-8").splitlines(keepends=True)
             rows = csv.DictReader(line for line in lines if line.endswith("\n"))
-            removals = [(row["time"], row["id"]) for row in rows if row["kind"] == "death"]
+            removals = [(row["time"], row["id"]) for row in rows if row["kind"] in LEAVING]
             times, ids = np.array(removals, float).reshape(-1, 2).T
         order = np.argsort(times)
         next_ids = np.concatenate([[begun], ids[order].astype(np.int64) + 1])
