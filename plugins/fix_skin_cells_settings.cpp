@@ -64,6 +64,8 @@ void FixSkinCells::parse(int narg, char **arg)
       divisions.inherited_groups |= group->bitmask[igroup];
     } else if (keyword == "intervene") {
       interventions.add(arguments);
+    } else if (keyword == "intervened") {
+      interventions.pass(arguments.number(SkinArguments::NOT_NEGATIVE));
     } else if (keyword == "log") {
       lineage.log.set_file(arguments.word().c_str());
     } else {

@@ -8,7 +8,7 @@ import re
 import tomllib
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, get_origin
+from typing import Any
 
 import lammps_skin
 import numpy as np
@@ -18,11 +18,19 @@ from lammps_skin.cli.options import scene_from
 from lammps_skin.model import parameters, potentials
 from lammps_skin.model.accuracy import LEVELS
 from lammps_skin.model.cell_kinds import CellKind
+from lammps_skin.model.interventions import (
+    NEEDS,
+    RESERVED,
+    SETTABLE,
+    SETTABLE_OF_KINDS,
+    Intervention,
+    Region,
+)
 from lammps_skin.model.parts import KindKeys
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
 from lammps_skin.model.terms import TERMS, Terms
-from lammps_skin.start.build import SCRIPTS
+from lammps_skin.start.build import INTERVENTIONS, SCRIPTS
 from lammps_skin.start.packing import FORCE_TOLERANCE, dermal_count
 from pages import BY_NAME, PACKAGE, PAGES, ROOT, codes, commands, fences, rows, section, text
 from pydantic import BaseModel
@@ -100,7 +108,7 @@ def fields(model: type[BaseModel], prefix: str = "") -> dict[str, dict[str, Any]
     for name, field in model.model_fields.items():
         if inspect.isclass(field.annotation) and issubclass(field.annotation, BaseModel):
             found |= fields(field.annotation, f"{name}.")
-        elif get_origin(field.annotation) is not dict:  # kinds of cells have a page of their own
+        elif name not in ("kinds", "interventions"):  # which have pages of their own
             found[prefix + name] = schema[name]
     return found
 
@@ -149,6 +157,18 @@ def test_keys_of_a_kind_of_cells() -> None:
         ]
         for key, schema in ((key, {"anyOf": [one], **one}) for key, one in fields(KindKeys).items())
     }
+
+
+def test_keys_of_an_intervention() -> None:
+    shapes = [f"within.{key}" for key in Region.model_fields]
+    table = {row[0].strip("`"): row[1:] for row in rows(section("interventions.md", "Keys"))}
+    assert sorted(table) == sorted([*Intervention.model_fields, *shapes])
+    for key, others in NEEDS.items():
+        assert codes(table[key][0]) == list(others), key
+    assert codes(table["name"][1])[-len(RESERVED) :] == list(RESERVED)
+    settable = [codes(row[0]) for row in rows(section("interventions.md", "What can be set"))]
+    assert [key for keys in settable[:-1] for key in keys] == list(SETTABLE)
+    assert settable[-1] == list(SETTABLE_OF_KINDS)
 
 
 def test_rows_of_the_kinds_of_cells() -> None:
@@ -287,7 +307,9 @@ def test_variables_of_the_input_scripts() -> None:
 def test_files_of_the_input_scripts() -> None:
     named = [name for row in rows(section("inputs.md", "Files")) for name in codes(row[0])]
     assert set(SCRIPTS) <= set(named)
-    assert {"scene.in", "scene.toml", "skin.data", "*.table"} == set(named) - set(SCRIPTS)
+    assert {"scene.in", "scene.toml", "skin.data", INTERVENTIONS, "*.table"} == set(named) - set(
+        SCRIPTS
+    )
 
 
 def test_columns_of_thermo_output() -> None:

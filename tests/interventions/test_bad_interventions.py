@@ -1,13 +1,17 @@
 """Interventions that cannot be: one line that names the key, its value and what is allowed."""
 
+import re
 import tomllib
+from pathlib import Path
 
 import pytest
 from lammps_skin.errors import SceneError
+from lammps_skin.model.interventions import RESERVED
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import to_toml
 
+ROOT = Path(__file__).resolve().parents[2]
 SCENE = """
 end_time = 400.0
 [membrane]
@@ -54,7 +58,7 @@ FAULTS = {
     f'{AT}convert = "stem"\nto = "stem"': "w.to = 'stem': is what they are",
     f'{REMOVE}to = "stem"': "w.to = 'stem': goes with convert",
     # where
-    f"{REMOVE}within = {{}}": "w.within: must have one of cylinder, half_space",
+    f"{REMOVE}within = {{}}": "w.within: must have cylinder or half_space, or both",
     f"{REMOVE}within = {{cylindr = [1, 2, 3]}}": "w.within.cylindr = .*did you mean cylinder?",
     f"{REMOVE}within = {{cylinder = [1, 2]}}": (
         "w.within.cylinder = \\[1, 2\\]: must be \\[x, y, radius\\]"
@@ -134,3 +138,10 @@ def test_kinds_that_are_made_can_occur() -> None:
     assert labels == ["dermal", "membrane", "stem", "ta", "exhausted", "nd"]
     bare = scene_with(f"{ADD}places = [[1, 1]]").replace(**{"cells.stem": 0})
     assert bare.has_cells and [row.label for row in bare.cell_kinds] == ["stem", "ta", "exhausted"]
+
+
+def test_causes_that_are_no_names_are_those_of_the_fix() -> None:
+    code = (ROOT / "plugins/skin_interventions.cpp").read_text()
+    found = re.search(r"OTHER_CAUSES = \{(.*?)\}", code, re.DOTALL)
+    assert found
+    assert sorted(re.findall(r"\w+", found[1])) == sorted(RESERVED)

@@ -58,8 +58,8 @@ def check(
         Configuration.from_scene(described)
     console.print(one_line(f"{described.name}: {described.description}").rstrip(": "))
     for title, rows in {
-        "part": _parts, "kind of cells": _kinds, "term": _terms, "size": _sizes,
-        "numerics": _numerics,
+        "part": _parts, "kind of cells": _kinds, "intervention": _interventions, "term": _terms,
+        "size": _sizes, "numerics": _numerics,
     }.items():  # fmt: skip
         if lines := list(rows(described)):
             print_table([title, "", ""], lines, whole=[0], fold=True)
@@ -141,6 +141,29 @@ def _kinds(scene: Scene) -> Iterator[tuple[str, ...]]:
                 f"{row.daughter}, then is {row.after_last}"
             )
         yield row.label, f"{attached}{paired if row.paired_with else ''}{leaves}", divides
+
+
+def _interventions(scene: Scene) -> Iterator[tuple[str, ...]]:
+    """What is done in the course of the run, and when."""
+    for one in scene.interventions:
+        times = f"at t = {one.first:g}"
+        if one.every:
+            times += f", every {one.every:g}"
+        if one.until:
+            times += f" until {one.until:g}"
+        if one.set:
+            done = "sets " + ", ".join(f"{key} = {value}" for key, value in one.set.items())
+        elif one.add:
+            done = f"adds {len(one.places or ())} {one.add}"
+        else:
+            share = f"{one.fraction:.3g} of " if one.fraction < 1 else ""
+            where = one.within.model_dump(exclude_none=True) if one.within else {}
+            named = " and ".join(f"{key} {list(values)}" for key, values in where.items())
+            done = f"{'removes' if one.remove else 'converts'} {share}"
+            done += ", ".join(one.remove or one.convert or ())
+            done += f" to {one.to}" if one.to else ""
+            done += f" within {named}" if named else ""
+        yield one.name, times, done
 
 
 def _sizes(scene: Scene) -> Iterator[tuple[str, ...]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.tables import Table
-from lammps_skin.model.terms import PAIRS, Terms
+from lammps_skin.model.terms import Terms
 
 WITHOUT = {"detach": "never", "generations": "endless"}
 """Values of kinds of cells that stand for none."""
@@ -69,7 +69,8 @@ def _commands(former: Terms, terms: Terms, labels: list[str]) -> Iterator[str]:
     """
     for old, term in zip(former.pairs, terms.pairs, strict=True):
         if not term.same_as(old):
-            types = PAIRS[term.name].replace("_", " ").replace("cell", "${cell_types}")
+            between = terms.pair_potentials[term.name].between
+            types = between.replace("_", " ").replace("cell", "${cell_types}")
             yield f"pair_coeff {types} ${{{term.name}_style}} {term.argument}"
     if not terms.stretch.same_as(former.stretch):
         yield f"bond_coeff 1 {terms.stretch.argument}"

@@ -152,19 +152,6 @@ class Intervention(Part):
         """Kind of the cells that it makes."""
         return self.to or self.add
 
-    def chosen(self, kinds: Sequence[CellKind]) -> tuple[str, ...]:
-        """Labels of the kinds of cells that it removes or converts.
-
-        Parameters
-        ----------
-        kinds : sequence of CellKind
-            Those that there are.
-        """
-        named = self.remove or self.convert or ()
-        if ALL in named:
-            return tuple(kind.label for kind in kinds if kind.label != self.to)
-        return named
-
 
 def nested(changes: Mapping[str, Any]) -> dict[str, Any]:
     """Keys with dots between them as nested keys, one value over the other in their order."""
@@ -282,8 +269,8 @@ def _of_keys(one: Intervention) -> Iterator[str]:
     for key, other in (("convert", "to"), ("add", "places")):
         if getattr(one, key) is not None and getattr(one, other) is None:
             yield f"{place(one)}.{key} = {shown(_plain(getattr(one, key)))}: needs {other}"
-    if one.within and (one.within.cylinder is None) == (one.within.half_space is None):
-        yield f"{place(one)}.within: must have one of cylinder, half_space"
+    if one.within and not any(one.within.model_dump().values()):
+        yield f"{place(one)}.within: must have cylinder or half_space, or both"
 
 
 def _plain(value: Any) -> Any:

@@ -42,13 +42,15 @@ def _of_kinds(words: str, stem: int, kinds: dict[str, dict[str, Any]]) -> dict[s
     }
 
 
-def _with(words: str, intervention: dict[str, Any]) -> dict[str, Any]:
+def _with(
+    words: str, intervention: dict[str, Any], end_time: float = 400.0, **cells: Any
+) -> dict[str, Any]:
     """A scene like demo, but longer, with an intervention."""
     return {
         "description": words,
-        "end_time": 400.0,
+        "end_time": end_time,
         "membrane": {"lattice": [40, 46]},
-        "cells": {"stem": 6, "arrangement": "ring"},
+        "cells": {"stem": 6, "arrangement": "ring", **cells},
         "interventions": [intervention],
     }
 
@@ -131,15 +133,17 @@ BUILT_IN: dict[str, dict[str, Any]] = {
         },
     ),
     "stiffening": _with(
-        "the dermis becomes four times as stiff under a crowd of cells",
+        "the dermis becomes ten times as stiff when the membrane begins to fold",
         {
             "name": "stiffening",
-            "at": 300.0,
-            "set": {"dermis": {"stiffness": 0.16, "membrane_stiffness": 0.16}},
+            "at": 200.0,
+            "set": {"dermis": {"stiffness": 0.4, "membrane_stiffness": 0.4}},
         },
     ),
     "thinning": _with(
-        "every 60 time units a quarter of the stem cells is lost",
-        {"name": "thinning", "every": 60.0, "remove": "stem", "fraction": 0.25},
+        "every 60 time units a quarter of the stem cells is lost, until nothing renews the tissue",
+        {"name": "thinning", "at": 120.0, "every": 60.0, "remove": "stem", "fraction": 0.25},
+        end_time=500.0,
+        generations=4,
     ),
 }
