@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lammps_skin.analysis.lineage import clone_sizes, living, read_events, with_added
+from lammps_skin.analysis.observables import observables
 from lammps_skin.analysis.summary import summary
 from lammps_skin.event_log import INTERVENING
 from lammps_skin.kinds import is_cell
@@ -121,3 +122,27 @@ def test_a_membrane_without_cells_is_sown(tmp_path: Path) -> None:
     assert [
         len(frame.state["partner"][is_cell(frame.kinds)]) for frame in Store(tmp_path / "skin.h5")
     ] == [0, 2, 2]
+
+
+def test_a_wound_closes(scene: Scene, tmp_path: Path) -> None:
+    """All but stem and ND cells leave, and as many are there again later."""
+    wound = {"name": "wound", "at": 10.0, "remove": ["ta", "exhausted"]}
+    scene = scene.replace(**{"interventions": [wound], "cells.generations": 5})
+    with Simulation.begin(scene, tmp_path) as simulation:
+        simulation.run(until=9.75)
+        before = len(simulation.cells().ids)
+        simulation.run(until=10.0)
+        assert before > 10 and len(simulation.cells().ids) == 3
+        simulation.run()
+        assert len(simulation.cells().ids) > before
+
+
+@pytest.mark.slow
+def test_the_built_in_wound_closes(tmp_path: Path) -> None:
+    with Simulation.begin("wound", tmp_path) as simulation:
+        simulation.run()
+    table = observables(tmp_path)
+    when = {time: n for n, time in enumerate(table["time"].tolist())}
+    assert table["coverage"][when[290.0]] > 0.99
+    assert table["coverage"][when[300.0]] < 0.8
+    assert table["coverage"][when[350.0]] > 0.99
