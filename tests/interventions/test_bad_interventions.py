@@ -142,6 +142,6 @@ def test_kinds_that_are_made_can_occur() -> None:
 
 def test_causes_that_are_no_names_are_those_of_the_fix() -> None:
     code = (ROOT / "plugins/skin_interventions.cpp").read_text()
-    found = re.search(r"OTHER_CAUSES = \{(.*?)\}", code, re.DOTALL)
+    found = re.search(r"OTHER_CAUSES\[\] = \{(.*?)\}", code, re.DOTALL)
     assert found
     assert sorted(re.findall(r"\w+", found[1])) == sorted(RESERVED)
