@@ -210,7 +210,8 @@ def test_a_cell_that_does_not_detach_is_lost(tmp_path: Path) -> None:
     assert "has lost the membrane on step 0" in message
 
 
-def test_a_pair_ends_beyond_a_distance(tmp_path: Path) -> None:
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_pair_ends_beyond_a_distance(ranks: int, tmp_path: Path) -> None:
     """With `apart`: not when its spring is full grown, but on the event step after it is wide."""
     fix = f"{FIX} apart 0.5 every 2 log events.csv"
     lines = [line if line != FIX else fix for line in setup()]
@@ -220,7 +221,7 @@ def test_a_pair_ends_beyond_a_distance(tmp_path: Path) -> None:
     ]  # fmt: skip
     last = len(LAWS) * len(X) + len(places())  # the younger of the last pair, which never leaves
     lines.insert(-5, f"group wide id {last - 2 * len(X) + 2}")
-    before, after = told(run(tmp_path, lines))
+    before, after = told(run(tmp_path, lines, ranks))
     assert after[0] == before[0] - 1
     (end,) = [event for event in read_events(tmp_path) if event.cause == "grown"]
     assert end.time == pytest.approx(3.2)

@@ -1,10 +1,13 @@
 """The form `diverging` of dihedral_style skin/bend: K (1/(1 + c) - 1/2) beyond a right angle."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from lammps_skin.model import potentials
+from numpy_model import State, energies_and_forces, named
 from sheets import (
     COMPUTES,
     SETTINGS,
@@ -58,18 +61,52 @@ def test_forces_are_minus_the_gradient(lammps: Any, tmp_path: Path, folded: Shee
     assert pressure == pytest.approx(got.pressure[0], rel=1e-4)
 
 
+def hinge(degrees: float) -> Sheet:
+    """Two triangles that are folded against each other."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    positions = np.array([(1.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, -0.5, 0.0), (-c, 0.0, s)])
+    positions += np.array((4.0, 4.0, 10.0))
+    return Sheet((9.0, 9.0), positions, np.array([(0, 1, 2, 3)]), np.array([1]))
+
+
 def test_a_closed_fold_has_no_end_of_energy(lammps: Any, tmp_path: Path) -> None:
     """Two triangles and nothing else: K/(1 + cos) - K/2 of the angle, and K/2 (1 - cos)^2."""
     for degrees in (60.0, 89.999, 90.001, 120.0, 175.0):
-        c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-        positions = np.array([(1.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, -0.5, 0.0), (-c, 0.0, s)])
-        positions += np.array((4.0, 4.0, 10.0))
-        sheet = Sheet((9.0, 9.0), positions, np.array([(0, 1, 2, 3)]), np.array([1]))
-        load(lammps, tmp_path, sheet)
+        c = np.cos(np.radians(degrees))
+        load(lammps, tmp_path, hinge(degrees))
         want = 0.5 * ((1 - c) ** 2 / 2 if c > 0 else 1 / (1 + c) - 0.5)
         assert evaluate(lammps, *DIVERGING).energy == pytest.approx(want, rel=1e-9)
+        assert 0.5 * potentials.bending(c, "diverging") == pytest.approx(want, rel=1e-12)
         lammps.command("clear")
         lammps.commands_string(SETTINGS)
+
+
+@pytest.mark.parametrize("form", ["cosine", "diverging"])
+@pytest.mark.parametrize("degrees", [20.0, 85.0, 95.0, 130.0, 170.0])
+def test_mobilities_know_the_stiffness(
+    degrees: float, form: str, lammps: Any, tmp_path: Path
+) -> None:
+    """The bound of fix skin/motion is above the largest second derivative, and not far above."""
+    sheet, limit, h = hinge(degrees), 1e-4, 1e-5
+    load(lammps, tmp_path, sheet)
+    lammps.commands_string("mass 1 1.0\ndihedral_style skin/bend\ntimestep 1e-9")
+    lammps.commands_string(f"dihedral_coeff 1 0.5 {form}\nneigh_modify every 1 delay 0 check yes")
+    lammps.commands_string(f"fix motion all skin/motion euler stiffness {limit}\nrun 1")
+    bound = limit / lammps.extract_fix("motion", 0, 1, 4, 0)
+
+    parameters = replace(named("papilla"), bending_form=form)
+    rows = []
+    for shift in h * np.eye(12).reshape(12, 4, 3):
+        forces = [
+            energies_and_forces(
+                State(np.full(4, "M"), sheet.positions + sign * shift, sheet.box,
+                      np.zeros(4, int), hinges=sheet.hinges), parameters
+            )[1]["bend"].ravel()
+            for sign in (1, -1)
+        ]  # fmt: skip
+        rows.append(-(forces[0] - forces[1]) / (2 * h))
+    largest = np.abs(np.linalg.eigvalsh((np.array(rows) + np.array(rows).T) / 2)).max()
+    assert largest < bound < 8 * largest
 
 
 def test_each_type_has_its_form(lammps: Any, tmp_path: Path, folded: Sheet) -> None:
