@@ -44,6 +44,7 @@ FAULTS = {
     ),
     f"{REMOVE}until = 9.0": "w.until = 9.0: goes with every",
     f"{REMOVE}every = 1.0\nuntil = 4.0": "w.until = 4: must be 5, the first time, or later",
+    f"{REMOVE}every = 0.1": "w.every = 0.1: must be at least the timestep, 0.25",
     # what
     AT: "w: does nothing, must have one of remove, convert, add, set",
     f'{REMOVE}add = "ta"\nplaces = [[1, 1]]': "w: has remove and add, must have one of",
@@ -68,7 +69,8 @@ FAULTS = {
     f"{REMOVE}within = {{half_space = [1, 0, 0, 12]}}": "no place in the box is in it; .* below 12",
     ADD: "w.add = 'stem': needs places",
     f"{ADD}places = [1, 2]": "w.places = \\[1, 2\\]: must be an array of places",
-    f"{ADD}places = [[1, 200]]": "w.places = \\[1, 200\\]: must be inside the box, 12 x 12.12",
+    f"{ADD}places = [[1, 200]]": "w.places = \\[1.0, 200.0\\]: must be inside the box, 12 x 12.12",
+    f"{ADD}places = {[[1.0, 1.0]] * 1001}": "w.places: there are 1,001, must be 1,000 at most",
     f"{ADD}places = [[1, 1], [11.5, 1]]": "w.places: .* are 1.5 apart, must be at least 2.8",
     # keys that are set
     f"{AT}set = {{}}": "w.set = {}: must be a table of keys",

@@ -6,9 +6,9 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, pairwise
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
-from pydantic import Field, PlainValidator, WithJsonSchema
+from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
 from lammps_skin.model.cell_kinds import CellKind
@@ -25,6 +25,7 @@ NEEDS: dict[str, tuple[str, ...]] = {
 """Keys that go with one of others."""
 
 ALL = "all"  # kinds of cells
+MOST = 1000  # interventions of a scene, and places of one
 NAME = re.compile("[A-Za-z0-9][A-Za-z0-9_-]{0,31}")
 RESERVED = ("division", "grown", "partner_removed", "detached")
 """Causes of what happens without an intervention."""
@@ -103,18 +104,16 @@ def _flat(keys: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]
 
 
 Numbers = tuple[float, ...]
-ARRAY = WithJsonSchema({"type": "array"})
-TABLE = WithJsonSchema({"type": "object"})
-Kinds = Annotated[tuple[str, ...], PlainValidator(_kinds), ARRAY]
+Kinds = Annotated[tuple[str, ...], BeforeValidator(_kinds)]
 
 
 class Region(Part):
     """Where cells are chosen."""
 
-    cylinder: Annotated[Numbers, PlainValidator(_cylinder), ARRAY] | None = Field(
+    cylinder: Annotated[Numbers, BeforeValidator(_cylinder)] | None = Field(
         None, description="x, y, radius"
     )
-    half_space: Annotated[Numbers, PlainValidator(_half_space), ARRAY] | None = Field(
+    half_space: Annotated[Numbers, BeforeValidator(_half_space)] | None = Field(
         None, description="n_x, n_y, n_z, offset: where n.x is above the offset"
     )
 
@@ -130,10 +129,10 @@ class Intervention(Part):
     convert: Kinds | None = Field(None, description="kinds of cells that become another")
     to: str | None = Field(None, description="that kind")
     add: str | None = Field(None, description="kind of new cells")
-    places: Annotated[tuple[Numbers, ...], PlainValidator(_places), ARRAY] | None = Field(
+    places: Annotated[tuple[Numbers, ...], BeforeValidator(_places)] | None = Field(
         None, description="of these"
     )
-    set: Annotated[dict[str, Any], PlainValidator(_changes), TABLE] | None = Field(
+    set: Annotated[dict[str, Any], BeforeValidator(_changes)] | None = Field(
         None, description="keys of the scene with new values"
     )
     fraction: Annotated[float, Field(gt=0, le=1)] = Field(1.0, description="of the cells chosen")
@@ -195,11 +194,24 @@ def stated(given: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
 # ---- what the single keys cannot know
 
 
+class Limits(NamedTuple):
+    """What a scene allows.
+
+    Attributes
+    ----------
+    box : (L_x, L_y, L_z)
+    closest : float
+        Distance of cells that are added together.
+    timestep : float
+    """
+
+    box: tuple[float, float, float]
+    closest: float
+    timestep: float
+
+
 def contradictions(
-    interventions: Sequence[Intervention],
-    table: Mapping[str, CellKind],
-    box: tuple[float, float, float],
-    closest: float,
+    interventions: Sequence[Intervention], table: Mapping[str, CellKind], limits: Limits
 ) -> Iterator[str]:
     """Faults, each as `key = value: what is allowed`.
 
@@ -208,18 +220,21 @@ def contradictions(
     interventions : sequence of Intervention
     table : mapping
         All kinds of cells by their labels.
-    box : (L_x, L_y, L_z)
-    closest : float
-        Distance of cells that are added together.
+    limits : Limits
     """
     names: list[str] = []
+    if len(interventions) > MOST:
+        yield f"interventions: there are {len(interventions):,}, must be {MOST:,} at most"
     for one in interventions:
         yield from _of_name(one.name, names)
         names.append(one.name)
         yield from _of_keys(one)
         yield from _of_kinds(one, table)
-        yield from _of_places(one, box, closest)
+        yield from _of_places(one, limits.box, limits.closest)
         yield from _of_changes(one, table)
+        if one.every and one.every < limits.timestep:
+            least = f"at least the timestep, {limits.timestep:g}"
+            yield f"{place(one)}.every = {one.every:g}: must be {least}"
     for former, one in pairwise(interventions):
         if one.first < former.first:
             key = "at" if one.at else "every"
@@ -309,6 +324,8 @@ def _of_places(one: Intervention, box: tuple[float, float, float], closest: floa
             sides = " x ".join(f"{side:.6g}" for side in box)
             key = "places" if one.places else "within.cylinder"
             yield f"{place(one)}.{key} = {shown(point)}: must be inside the box, {sides}"
+    if len(one.places or ()) > MOST:
+        yield f"{place(one)}.places: there are {len(points):,}, must be {MOST:,} at most"
     for a, b in combinations(one.places or (), 2):
         distance = _distance(a, b, box)
         if distance < closest:

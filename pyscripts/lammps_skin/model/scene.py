@@ -32,10 +32,12 @@ from lammps_skin.model.parts import (
 )
 from lammps_skin.model.scene_keys import (
     as_tuples,
+    entry,
     first_line,
     merged,
     near,
     shown,
+    value_of,
     with_absolute_paths,
 )
 
@@ -130,7 +132,7 @@ class Scene(Part):
             *parts, last = key.split(".")
             place: Any = given
             for part in parts:
-                place = _below(place, part)
+                place = entry(place, part)
                 if not isinstance(place, (dict, list)):
                     raise SceneError(f"{key} = {shown(value)}: {part} has no keys")
             if isinstance(place, list):
@@ -302,10 +304,8 @@ class Scene(Part):
         yield from self._cell_contradictions()
         yield from self._numerical_contradictions()
         yield from self._start_contradictions()
-        closest = 2 * self.cells.radius
-        yield from changing.contradictions(
-            self.interventions, self.cell_table, self.box_sides, closest
-        )
+        limits = changing.Limits(self.box_sides, 2 * self.cells.radius, self.numerics.timestep)
+        yield from changing.contradictions(self.interventions, self.cell_table, limits)
         yield from self._stage_contradictions()
 
     def _stage_contradictions(self) -> Iterator[str]:
@@ -397,22 +397,6 @@ class Scene(Part):
                 yield f"{key} = {value:g}: must be at least the timestep, {numerics.timestep:g}"
             if value / numerics.timestep > most:
                 yield f"{key} = {value:g}: more than {most:.3g} steps of {numerics.timestep:g}"
-
-
-def value_of(scene: Scene, key: str) -> Any:
-    """Value of a dotted key."""
-    found: Any = scene
-    for part in key.split("."):
-        found = getattr(found, part)
-    return found
-
-
-def _below(place: Any, part: str) -> Any:
-    """What a key leads to: in an array of tables the one of that name."""
-    if isinstance(place, dict):
-        return place.setdefault(part, {})
-    tables = (table for table in place if isinstance(table, dict))
-    return next((table for table in tables if table.get("name") == part), None)
 
 
 def _text(path: Path) -> str:

@@ -30,6 +30,22 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     return both
 
 
+def value_of(model: BaseModel, key: str) -> Any:
+    """Value of a dotted key."""
+    found: Any = model
+    for part in key.split("."):
+        found = getattr(found, part)
+    return found
+
+
+def entry(place: Any, part: str) -> Any:
+    """What a key leads to, in an array of tables the one of that name; an empty table if new."""
+    if isinstance(place, dict):
+        return place.setdefault(part, {})
+    tables = (table for table in place if isinstance(table, dict))
+    return next((table for table in tables if table.get("name") == part), None)
+
+
 def to_toml(given: dict[str, Any], prefix: str = "") -> str:
     """Nested keys as TOML; tables in an array of tables are inline."""
     tables = {key: value for key, value in given.items() if isinstance(value, dict)}

@@ -11,8 +11,8 @@ import numpy as np
 from lammps_skin.arrays import Ints
 from lammps_skin.errors import ConfigurationError, SceneError
 from lammps_skin.kinds import Kind, is_cell
-from lammps_skin.model.scene import Scene, value_of
-from lammps_skin.model.scene_keys import shown
+from lammps_skin.model.scene import Scene
+from lammps_skin.model.scene_keys import shown, value_of
 from lammps_skin.start import lattice
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.frame import ABSENT, Frame
