@@ -1,5 +1,6 @@
 """Links and folds in hybrid styles, and with coefficients that `fix adapt` changes."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -98,6 +99,7 @@ def test_stiffness_of_all_rows(ranks: int, start: tuple[Scene, Configuration]) -
     K (1 - c)(2 + c) times the sum of squared edges over the square of twice the area.
     """
     scene, configuration = start
+    configuration = with_long_and_short_links(configuration)
     limit, timestep = 1.0, 0.001
     slow = scene.replace(
         **{
@@ -109,14 +111,25 @@ def test_stiffness_of_all_rows(ranks: int, start: tuple[Scene, Configuration]) -
         forces = simulation.forces().forces
         begin = simulation.forces().positions
         simulation.command("run 1")
-        moved = simulation.forces().positions - begin
+        moved, motion = simulation.forces().positions - begin, simulation.motion()
     box = np.array(configuration.box)
     stiffness = bound(configuration, box)
     moved[:, :2] -= box[:2] * np.round(moved[:, :2] / box[:2])
     mobility = np.minimum(1.0, limit / stiffness)
     assert (mobility < 1.0).mean() > 0.5
+    assert motion.lowered == pytest.approx((mobility < 1.0).mean())
+    assert motion.lowest_mobility == pytest.approx(mobility.min())
     want = timestep * mobility[:, None] * forces
     np.testing.assert_allclose(moved, want, rtol=0, atol=1e-9 * np.abs(want).max())
+
+
+def with_long_and_short_links(configuration: Configuration) -> Configuration:
+    """One particle is drawn out of the membrane, another one close to its neighbor."""
+    x = configuration.positions.copy()
+    x[5 * 24 + 5, 2] += 2.1
+    apart = x[15 * 24 + 11] - x[15 * 24 + 10]
+    x[15 * 24 + 10] += (1 - 0.45 / np.linalg.norm(apart)) * apart
+    return replace(configuration, positions=x)
 
 
 def bound(configuration: Configuration, box: np.ndarray) -> np.ndarray:
@@ -131,9 +144,10 @@ def bound(configuration: Configuration, box: np.ndarray) -> np.ndarray:
 
     i, j = configuration.links.T
     s = np.linalg.norm(vector(i, j), axis=1) / contact
-    below = np.where(s < d2, d2 / np.where(s < d2, s, 1.0), 1.0)
-    second = np.where(s < d2, 13 * below**14 - 7 * below**8, a2) / d2**2 * k / contact**2
-    assert s.max() < 1.0
+    long, short = s > 1.0, s < d2
+    assert long.any() and short.any()
+    ratio = d2 / np.where(long, 1 + d2 - s, np.where(short, s, d2))
+    second = np.where(long | short, 13 * ratio**14 - 7 * ratio**8, a2) / d2**2 * k / contact**2
     for end in (i, j):
         np.add.at(total, end, 2 * second)
 

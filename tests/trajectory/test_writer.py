@@ -1,5 +1,6 @@
 """skin.h5 holds what the dump holds, and says what it is."""
 
+import re
 import shutil
 import subprocess
 import tomllib
@@ -111,6 +112,9 @@ def test_no_commit_of_a_tree_that_only_surrounds_the_package(tmp_path, monkeypat
     subprocess.run(["git", "-C", str(tmp_path), *name, *commit], check=True)
     monkeypatch.setattr(writer_module, "__file__", str(tmp_path / "trajectory" / "writer.py"))
     assert source_commit() is None
+    (tmp_path / "errors.py").touch()
+    subprocess.run(["git", "-C", str(tmp_path), "add", "errors.py"], check=True)
+    assert re.fullmatch(r"[0-9a-f]{40}-dirty", source_commit())
 
 
 def test_every_frame_is_on_disk_when_written(run, tmp_path):
