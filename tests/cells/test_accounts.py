@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from lammps_skin.kinds import Kind
 from lammps_skin.start.build import build
@@ -39,11 +40,21 @@ def test_sums_over_atoms_are_those_of_all(ranks: int, tmp_path: Path) -> None:
     assert [x, yz] == pytest.approx([0.0, 0.0], abs=1e-12 * abs(whole))
 
 
+VIRIAL = " ".join(f"$(c_p[{n}]*vol:%.15g)" for n in range(1, 7))
+
+
+def six_products(x: np.ndarray) -> np.ndarray:
+    """Products xx, yy, zz, xy, xz, yz of coordinates."""
+    return np.outer(x, x)[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+
+
 def test_virial_of_the_division_spring(tmp_path: Path) -> None:
-    """-dU/d(strain) of a pair, once: the spring's force times its length, along x alone."""
+    """-dU/d(strain) of a pair, once: the spring's force times its length, in its direction."""
     scene = busy(**{"cells.stem": 2, "cells.nd": 0})
     z = HEIGHT + CONTACT
-    start = place(scene, [(Kind.STEM, (4.0, 6.0, z), 0), (Kind.STEM, (5.5, 6.0, z), 0)])
+    apart, tilted = 1.5, np.array([0.64, 0.48, 0.6])
+    spots = [np.array([4.0, 6.0, z]), np.array([4.0, 6.0, z]) + apart * tilted]
+    start = place(scene, [(Kind.STEM, spot, 0) for spot in spots])
     rows = kind_rows(("stem", "ta", "exhausted"), adhesion="0 1.2", binding="0")
     lines = [
         *HELD, "set atom 673 i_pair 674", "set atom 674 i_pair 673",
@@ -52,29 +63,30 @@ def test_virial_of_the_division_spring(tmp_path: Path) -> None:
         "spring 5 0.014 1.4 2.8 offset 0.007",
         "fix_modify cells energy yes virial yes", "compute p all pressure NULL fix",
         "compute s cells stress/atom NULL fix", "compute e cells pe/atom fix",
-        "thermo_style custom step c_p[1]", "dump d cells custom 1 x.dump id c_s[1] c_s[2] c_e fx",
+        "thermo_style custom step c_p[1]", "dump d cells custom 1 x.dump id c_s[*] c_e",
         "dump_modify d format float %.15g", "run 0 post no",
-        'print "OUT $(c_p[1]*vol:%.15g) $(c_p[2]*vol:%.15g) $(c_p[3]*vol:%.15g) $(f_cells:%.15g)"',
+        f'print "OUT $(f_cells:%.15g) {VIRIAL}"',
     ]  # fmt: skip
-    ((xx, yy, zz, energy),) = told(run_script(tmp_path, *lines, scene=scene, start=start))
-    force = -5.0 * (1.5 - 0.014)
-    assert energy == pytest.approx(2.5 * (1.5 - 0.014) ** 2)
-    assert xx == pytest.approx(force * 1.5)
-    assert (yy, zz) == (pytest.approx(0.0, abs=1e-12), pytest.approx(0.0, abs=1e-12))
+    ((energy, *virial),) = told(run_script(tmp_path, *lines, scene=scene, start=start))
+    force = -5.0 * (apart - 0.014)
+    assert energy == pytest.approx(2.5 * (apart - 0.014) ** 2)
+    expected = force * apart * six_products(tilted)
+    assert virial == pytest.approx(expected)
     (frame,) = snapshots(tmp_path / "x.dump")
     # LAMMPS: stress/atom is minus the atom's share of the virial
-    assert frame["c_s[1]"] == pytest.approx([-force * 1.5 / 2] * 2)
+    for n, component in enumerate(expected, 1):
+        assert frame[f"c_s[{n}]"] == pytest.approx([-component / 2] * 2)
     assert frame["c_e"] == pytest.approx([energy / 2] * 2)
 
 
 @pytest.mark.parametrize(("kind", "term"), [("ta", "adhesion 5 1.4"), ("stem", "binding 5")])
 def test_virial_of_attachment(kind: str, term: str, tmp_path: Path) -> None:
-    """A cell above a membrane particle: attraction pulls, the virial is negative."""
+    """A cell above a membrane particle and a little aside: it is pulled back."""
     scene = busy(**{"cells.stem": 1, "cells.nd": 0})
     r = 1.15 * CONTACT
-    spot = (6.0, 7 * 3**0.5 / 2)
+    above = np.array([0.12, 0.16, (r**2 - 0.2**2) ** 0.5])
     kinds = {"ta": Kind.TA, "stem": Kind.STEM}
-    start = place(scene, [(kinds[kind], (*spot, HEIGHT + r), 1)])
+    start = place(scene, [(kinds[kind], np.add([6.0, 7 * 3**0.5 / 2, HEIGHT], above), 1)])
     terms = {"adhesion": "0 1.4", "binding": "0", term.split()[0]: term.split(" ", 1)[1]}
     rows = kind_rows(("stem", "ta", "exhausted"), **terms)
     lines = [
@@ -84,23 +96,22 @@ def test_virial_of_attachment(kind: str, term: str, tmp_path: Path) -> None:
         "comm_modify cutoff 5.5", "fix_modify cells virial yes energy yes",
         "compute p all pressure NULL fix", "compute s all stress/atom NULL fix",
         "compute e all pe/atom fix", "thermo_style custom step c_p[1]",
-        "dump d all custom 1 x.dump id c_s[3] c_e", "dump_modify d format float %.15g",
+        "dump d all custom 1 x.dump id c_s[*] c_e", "dump_modify d format float %.15g",
         "run 0 post no",
-        'print "OUT $(c_p[1]*vol:%.15g) $(c_p[3]*vol:%.15g) '
-        '$(f_cells[1]) $(f_cells[2]) $(f_cells)"',
+        f'print "OUT $(f_cells[1]) $(f_cells[2]) $(f_cells) {VIRIAL}"',
     ]  # fmt: skip
     process = run_script(tmp_path, *lines, scene=scene, start=start)
-    ((xx, zz, adhesion, binding, energy),) = told(process)
+    ((adhesion, binding, energy, *virial),) = told(process)
     s = 0.15
     slope = 5 * s * (1 - s**2 / 0.4**2) if kind == "ta" else 5 * s
     expected = 5 * s**2 / 2 * (1 - s**2 / (2 * 0.4**2)) if kind == "ta" else 5 * s**2 / 2
     assert energy == pytest.approx(expected, rel=1e-5)
     assert (adhesion, binding) == ((energy, 0.0) if kind == "ta" else (0.0, energy))
-    assert zz == pytest.approx(-slope / CONTACT * r)
-    assert xx == pytest.approx(0.0, abs=1e-12)
+    assert virial == pytest.approx(-slope / CONTACT / r * six_products(above))
     (frame,) = snapshots(tmp_path / "x.dump")
     assert frame["c_e"][672] == pytest.approx(energy, rel=1e-5)
-    assert frame["c_s[3]"].sum() == pytest.approx(-zz)
+    sums = [frame[f"c_s[{n}]"].sum() for n in range(1, 7)]
+    assert sums == pytest.approx([-component for component in virial])
 
 
 # ---- minimisation

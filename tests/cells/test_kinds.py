@@ -217,7 +217,8 @@ def test_a_pair_ends_beyond_a_distance(ranks: int, tmp_path: Path) -> None:
     lines = [line if line != FIX else fix for line in setup()]
     lines += [
         "timestep 0.1", "run 30 post no", 'print "OUT $(f_cells[4]) $(time)"',
-        "displace_atoms wide move 0.6 0 0", "run 4 post no", 'print "OUT $(f_cells[4]) $(time)"',
+        "displace_atoms wide move 0.3 0.2 -0.45", "run 4 post no",
+        'print "OUT $(f_cells[4]) $(time)"',
     ]  # fmt: skip
     last = len(LAWS) * len(X) + len(places())  # the younger of the last pair, which never leaves
     lines.insert(-5, f"group wide id {last - 2 * len(X) + 2}")

@@ -250,6 +250,7 @@ def test_names_masses_radii_and_clones(run, universe):
         cells = is_cell(frame.kinds)
         np.testing.assert_array_equal(atoms.resids[cells], clone[frame.ids[cells] - 1])
         assert set(atoms.resnames[~cells]) == {"membrane"}
+        assert set(atoms.resids[~cells]) == {frame.ids[~cells].min()}
         assert ts.frame == universe.trajectory.frame
 
 
