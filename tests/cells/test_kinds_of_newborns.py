@@ -13,8 +13,8 @@ TABLE = {
     "stem": (3, "passing", None, None),
     "passing": (7, "passing", 0, "amp"),  # entered and left at once
     "amp": (8, "amp", 2, "late"),
-    "late": (9, "clone", 2, "old"),  # divides as another kind after its last division
-    "clone": (10, "clone", None, None),
+    "clone": (9, "clone", None, None),
+    "late": (10, "clone", 2, "old"),  # divides as another kind after its last division
     "old": (11, None, None, None),
 }
 

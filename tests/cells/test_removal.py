@@ -204,9 +204,12 @@ def test_removal_does_not_wait_for_others(
 
 
 @pytest.mark.parametrize("dying", [673, 674])
-@pytest.mark.parametrize("grown", [0.05, 0.15])
+@pytest.mark.parametrize("grown", [0.05, 0.15, 9.0])
 def test_what_comes_first_ends_the_pair(grown: float, dying: int, tmp_path: Path) -> None:
-    """The pair grows up and one of it detaches between two steps that handle events."""
+    """The pair grows up and one of it detaches between two steps that handle events.
+
+    Where it does not grow up, the other one divides when the pair ends: it should have done before.
+    """
     scene = membrane_scene(**{"numerics.timestep": 0.02, "numerics.event_interval": 0.2})
     _, start, rate, end = Terms.of(scene).division
     crossing, found = 0.09, 0.1
@@ -216,15 +219,16 @@ def test_what_comes_first_ends_the_pair(grown: float, dying: int, tmp_path: Path
     configuration = place(scene, cells)
     configuration.pair[-2:] = 674, 673
     configuration.pair_start[-2:] = grown - (end - start) / rate
-    configuration.next_division[-2:] = 1e6
+    configuration.next_division[-2:] = 0.01 if grown > 1 else 1e6
     with Simulation.begin(scene, tmp_path, configuration) as simulation:
         rise(simulation, dying)
-        simulation.run(until=0.3)
+        simulation.run(until=0.5)
     death, ended = (found, "death", dying), min((grown, "grown"), (found, "partner_removed"))
     log = [(e.time, e.kind, e.id) for e in read_events(tmp_path)]
     causes = [e.cause for e in of_kind(read_events(tmp_path), "division_end")]
     assert causes == [ended[1]]
     expected = sorted([death, (ended[0], "division_end", 674)])
+    expected += [(ended[0], "birth", 675)] * (grown > 1)
     assert log == [(pytest.approx(time), kind, id_) for time, kind, id_ in expected]
 
 

@@ -32,7 +32,7 @@ def positions_at(time: float, changes: dict[str, Any], **how: Any) -> np.ndarray
 
 
 def test_positions_are_on_the_grid() -> None:
-    scene, _ = sheet()
+    scene, configuration = sheet()
     sides = np.array(scene.box_sides)
     grid = sides / np.ceil(sides / SIZE)
     assert ((grid <= SIZE) & (grid > 0.999 * SIZE)).all()
@@ -41,6 +41,11 @@ def test_positions_are_on_the_grid() -> None:
     delta = rounded - exact
     delta[:, :2] -= sides[:2] * np.round(delta[:, :2] / sides[:2])
     assert 0.4 * SIZE < np.abs(delta).max() < 0.51 * SIZE
+    with Simulation.begin(scene, configuration=configuration) as simulation:
+        simulation.command("fix sideways all setforce 0 NULL 0")
+        simulation.run(until=1.0)
+        sideways = simulation.forces().positions
+    assert np.abs(sideways / grid - np.round(sideways / grid)).max() < 1e-6
     between = positions_at(1.5, {})
     assert np.abs(between / grid - np.round(between / grid)).max() > 0.1
 

@@ -50,9 +50,11 @@ def test_closer_than_the_core(apart: float, ends: bool, ranks: int, tmp_path: Pa
 
 
 def test_a_timestep_is_recommended_where_steps_led_to_it() -> None:
+    """The particle comes nearer by 0.06 in each step, from a direction that is no axis."""
     engine = open_lammps(["-log", "none"])
-    engine.commands_string(f"{BOX}{PAIR}\nset atom 2 x 3.4\ngroup one id 2\nrun 0 post no")
-    engine.commands_string("timestep 1.0\nvelocity one set -0.06 0 0\nfix fly one nve/noforce")
+    engine.commands_string(f"{BOX}{PAIR}\nset atom 2 x 3.24 y 4.192 z 4.256\ngroup one id 2")
+    engine.commands_string("run 0 post no\ntimestep 1.0\nvelocity one set -.036 -.0288 -.0384")
+    engine.commands_string("fix fly one nve/noforce")
     with pytest.raises(Exception, match=r"on step 2: .* is 0\.2[78].*; try a smaller timestep"):
         engine.command("run 3 post no")
     engine.close()
@@ -68,7 +70,7 @@ def test_the_first_state_may_overlap_more() -> None:
 
 
 def test_no_force_and_no_energy() -> None:
-    """Nor stress of single atoms."""
+    """Nor stress of single atoms, between particles within the core."""
     stress = f"""
         compute each all stress/atom NULL pair
         compute total all reduce sum {EACH}
@@ -77,7 +79,7 @@ def test_no_force_and_no_energy() -> None:
     values = []
     for commands in (PAIR, PAIR.replace("skin/core lj", "lj").rsplit("\n", 2)[0]):
         engine = open_lammps(["-log", "none"])
-        engine.commands_string(f"{BOX}\n{commands}\n{stress}\nrun 0 post no")
+        engine.commands_string(f"{BOX}\nset atom 2 x 3.2\n{commands}\n{stress}\nrun 0 post no")
         values.append([engine.get_thermo(name) for name in ("pe", "fmax", "pxx", "pyz")])
         values[-1] += engine.numpy.extract_compute("total", 0, 1).tolist()
         engine.close()
