@@ -95,6 +95,9 @@ def test_a_side_peak_belongs_to_its_papilla():
     two = find_papillae(height, box, prominence=0.5)
     assert two.height.tolist() == [4.0, 0.5]
     assert two.spacing.tolist() == [4.0, 4.0]
+    beside = 6 * np.maximum(1 - np.hypot(*np.indices(height.shape) - 4.0) / 4, 0)
+    both = find_papillae(height + beside, box, prominence=1.0)
+    assert both.height.tolist() == [6.0, 4.0] and set(both.basin[height > 2]) == {1}
 
 
 def test_moving_the_membrane_through_the_edge_moves_the_tips_along():

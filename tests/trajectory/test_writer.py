@@ -18,6 +18,7 @@ from lammps_skin.trajectory import writer
 from lammps_skin.trajectory import writer as writer_module
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.frame import CELL_STATE
+from lammps_skin.trajectory.store import Store
 from lammps_skin.trajectory.writer import TrajectoryWriter, source_commit
 
 NONE = np.empty((0, 2), int)
@@ -127,6 +128,7 @@ def test_every_frame_is_on_disk_when_written(run, tmp_path):
                 stored = copy["particles/trajectory/position/value"][n - 1]
                 np.testing.assert_array_equal(stored[frame.ids - 1], frame.positions)
                 assert copy["h5md/author"].attrs["name"] == "A. Name"
+            assert len(Store(tmp_path / "copy.h5")) == n
 
 
 def test_command_converts(run, tmp_path, capsys):
