@@ -42,7 +42,7 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
   scalar_flag = 1;
   extscalar = 1;
   vector_flag = 1;
-  size_vector = NTERMS + 4 + cells.kinds.size();
+  size_vector = NTERMS + NCOUNTS + (int) cells.kinds.of_other_numbers().size();
   extvector = 1;
   global_freq = 1;
 
@@ -184,8 +184,22 @@ double FixSkinCells::compute_scalar()
 }
 
 /* ----------------------------------------------------------------------
-   energies of adhesion, binding, division; number of dividing pairs; births and deaths since the
-   start; the ID of the next newborn; numbers of cells of each kind
+   cells of which something is true, on all ranks
+------------------------------------------------------------------------- */
+
+template <class CONDITION> int FixSkinCells::count(const CONDITION &condition)
+{
+  cells.find_state();
+  int mine = 0, all;
+  for (int i = 0; i < atom->nlocal; i++)
+    mine += cells.kind_of(i) != SkinCells::NONE && condition(i);
+  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_SUM, world);
+  return all;
+}
+
+/* ----------------------------------------------------------------------
+   energies of adhesion, binding, division; cells of the kinds numbered 3 to 6; dividing pairs;
+   births and deaths since the start; the ID of the next newborn; cells of each other kind
 ------------------------------------------------------------------------- */
 
 double FixSkinCells::compute_vector(int n)
@@ -197,20 +211,16 @@ double FixSkinCells::compute_vector(int n)
   }
 
   n -= NTERMS;
-  if (n == 1) return (double) lineage.births;
-  if (n == 2) return (double) lineage.deaths;
-  if (n == 3) {
+  if (n == PAIRS) return 0.5 * count([&](int i) { return cells.state.pair[i] != 0; });
+  if (n == BIRTHS) return (double) lineage.births;
+  if (n == DEATHS) return (double) lineage.deaths;
+  if (n == NEXT_ID) {
     lineage.skip_used_ids();
     return (double) lineage.next_id;
   }
-
-  cells.find_state();
-  int count = 0, count_all;
-  for (int i = 0; i < atom->nlocal; i++)
-    if (n == 0) count += (cells.kind_of(i) != SkinCells::NONE && cells.state.pair[i] != 0);
-    else count += (cells.kind_of(i) == n - 3);
-  MPI_Allreduce(&count, &count_all, 1, MPI_INT, MPI_SUM, world);
-  return n == 0 ? 0.5 * count_all : count_all;
+  const int kind = n < PAIRS ? cells.kinds.of_number(SkinCellKinds::FIRST_NUMBER + n)
+                             : cells.kinds.of_other_numbers()[n - NCOUNTS];
+  return count([&](int i) { return cells.kind_of(i) == kind; });
 }
 
 /* ---------------------------------------------------------------------- */

@@ -59,6 +59,7 @@ class FixSkinCells : public Fix {
 
  private:
   enum Term { ADHESION, BINDING, DIVISION, NTERMS };
+  enum Count { PAIRS = SkinCellKinds::NFIRST, BIRTHS, DEATHS, NEXT_ID, NCOUNTS };
   static constexpr int NCOLUMNS = 8;    // of the per-atom array
 
   SkinCells cells;
@@ -80,6 +81,7 @@ class FixSkinCells : public Fix {
   void check_settings() const;
   void check_others() const;
   bool is_first() const;
+  template <class CONDITION> int count(const CONDITION &);
 
   // atoms that come, go and change places
 

@@ -3,6 +3,7 @@
 #include "fix_skin_cells.h"
 
 #include "skin_arguments.h"
+#include "skin_model_kinds.h"
 
 #include "error.h"
 #include "group.h"
@@ -24,7 +25,8 @@ void FixSkinCells::parse(int narg, char **arg)
   if (divisions.seed <= 0)
     error->all(FLERR, "Fix skin/cells seed = {}: must be an integer > 0", arg[3]);
 
-  std::vector<std::string> required = {"membrane", "kind", "contact", "spring", "offset"};
+  std::vector<std::string> required = {"membrane", "contact", "spring", "offset"};
+  SkinModelKinds model;
   SkinArguments arguments(lmp, "Fix skin/cells", narg - 4, arg + 4);
 
   while (!arguments.at_end()) {
@@ -68,12 +70,14 @@ void FixSkinCells::parse(int narg, char **arg)
       interventions.pass(arguments.number(SkinArguments::NOT_NEGATIVE));
     } else if (keyword == "log") {
       lineage.log.set_file(arguments.word().c_str());
-    } else {
+    } else if (!model.read(keyword, arguments)) {
       error->all(FLERR, "Unknown fix skin/cells keyword: {}", keyword);
     }
   }
 
   if (!required.empty()) error->all(FLERR, "Fix skin/cells needs the keyword {}", required[0]);
+  model.add_to(cells.kinds, error);
+  if (!cells.kinds.size()) error->all(FLERR, "Fix skin/cells needs the keyword kind");
   cells.kinds.complete();
   interventions.complete(cells.kinds);
   const int type = attachment.membrane_type;

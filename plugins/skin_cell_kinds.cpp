@@ -10,10 +10,6 @@
 
 using namespace LAMMPS_NS;
 
-// what stands before the numbers of cells in the model: dermal and membrane particles
-
-static constexpr int NUMBER_OFFSET = 2;
-
 /* ---------------------------------------------------------------------- */
 
 SkinCellKinds::SkinCellKinds(LAMMPS *lmp) : Pointers(lmp), rows(1) {}
@@ -25,11 +21,18 @@ void SkinCellKinds::add(SkinArguments &arguments)
   arguments.need(1);
   SkinCellKind row;
   row.name = arguments.word();
-  row.number = (int) rows.size() + NUMBER_OFFSET;
-  if (find(row.name))
-    error->all(FLERR, "Fix skin/cells kind {}: there are two kinds of this name", row.name);
+  row.number = size() + FIRST_NUMBER;
   read(arguments, row, true);
   if (!row.type) error->all(FLERR, "Fix skin/cells kind {} needs the keyword type", row.name);
+  add(row);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void SkinCellKinds::add(const SkinCellKind &row)
+{
+  if (find(row.name))
+    error->all(FLERR, "Fix skin/cells kind {}: there are two kinds of this name", row.name);
   rows.push_back(row);
 }
 
@@ -200,6 +203,27 @@ void SkinCellKinds::check(const SkinCellKind &row) const
   if (row.generations != SkinCellKind::ENDLESS)
     error->all(FLERR, "Fix skin/cells kind {}: generations needs daughter", row.name);
   if (row.last) error->all(FLERR, "Fix skin/cells kind {}: last needs daughter", row.name);
+}
+
+/* ---------------------------------------------------------------------- */
+
+int SkinCellKinds::of_number(int number) const
+{
+  for (int kind = 1; kind <= size(); kind++)
+    if (rows[kind].number == number) return kind;
+  return 0;
+}
+
+/* ---------------------------------------------------------------------- */
+
+std::vector<int> SkinCellKinds::of_other_numbers() const
+{
+  std::vector<int> others;
+  for (int kind = 1; kind <= size(); kind++) {
+    const int place = rows[kind].number - FIRST_NUMBER;
+    if (place < 0 || place >= NFIRST) others.push_back(kind);
+  }
+  return others;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -56,6 +56,7 @@ class SkinCellKinds : protected Pointers {
   // read the row that follows the keyword `kind`; link and check rows when all are read
 
   void add(SkinArguments &);
+  void add(const SkinCellKind &);
   void complete();
 
   // read a name and other values of that row
@@ -68,6 +69,12 @@ class SkinCellKinds : protected Pointers {
   int of_type(int type) const { return kind_of_type[type]; }
   int find(const std::string &name) const;
   const SkinCellKind &operator[](int kind) const { return rows[kind]; }
+
+  // kind with that number, 0 if there is none; those with none of the first four numbers
+
+  static constexpr int FIRST_NUMBER = 3, NFIRST = 4;
+  int of_number(int number) const;
+  std::vector<int> of_other_numbers() const;
 
   // longest distance, in contact lengths, at which a kind that does not stay has a force or leaves
 

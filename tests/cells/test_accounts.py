@@ -135,7 +135,7 @@ def test_forces_are_part_of_a_minimisation(tmp_path: Path) -> None:
 @pytest.mark.parametrize("checkpoints", [(), ("restart 7 min.1.restart min.2.restart",)])
 def test_minimisation_takes_no_time(checkpoints: tuple[str, ...], tmp_path: Path) -> None:
     """With restart files or without: no events, no growth of pairs, and times go on after it."""
-    report = 'print "OUT $(f_cells[5]) $(f_cells[4]) $(time)"'
+    report = 'print "OUT $(f_cells[9]) $(f_cells[8]) $(time)"'
     lines = ["run 20 post no", report, *checkpoints, "minimize 0 0 40 400", "restart 0",
              "run 0 post no", report, "run 4 post no", report]  # fmt: skip
     before, at, after = told(run_script(tmp_path, *lines, scene=busy()))
@@ -157,7 +157,7 @@ def test_nothing_is_detached_by_a_minimisation(tmp_path: Path) -> None:
     build(scene, tmp_path)
     lines = ["run 20 post no", "displace_atoms cells move 0 0 0.6", "minimize 0 0 1 1",
              "displace_atoms cells move 0 0 -0.6", "run 4 post no",
-             'print "OUT $(f_cells[6])"']  # fmt: skip
+             'print "OUT $(f_cells[10])"']  # fmt: skip
     assert told(run_script(tmp_path, *lines)) == [[0.0]]
 
 
@@ -167,7 +167,7 @@ def test_nothing_is_detached_by_a_minimisation(tmp_path: Path) -> None:
 def test_triclinic_box_is_the_same_box(tmp_path: Path) -> None:
     """Without tilt, and with a tilt of one period: the same images, the same run."""
     report = [
-        'print "OUT $(f_cells[1]:%.12g) $(f_cells[2]:%.12g) $(f_cells[3]:%.12g) $(f_cells[5])"'
+        'print "OUT $(f_cells[1]:%.12g) $(f_cells[2]:%.12g) $(f_cells[3]:%.12g) $(f_cells[9])"'
     ]
     results = []
     large = ["box tilt large", "change_box all xy final 12.0"]
@@ -197,7 +197,7 @@ def test_special_neighbors_of_the_user_stay(tmp_path: Path) -> None:
     extra = "extra/bond/types 1 extra/bond/per/atom 2 extra/special/per/atom 4"
     state = state.replace("fix state NULL state", f"fix state NULL state {extra}")
     (tmp_path / "state.in").write_text(state)
-    report = 'print "OUT $(evdwl:%.15g) $(f_cells[4]) $(f_cells[5])"'
+    report = 'print "OUT $(evdwl:%.15g) $(f_cells[8]) $(f_cells[9])"'
     lines = [
         "bond_style hybrid skin/stretch harmonic",
         "bond_coeff 1 skin/stretch 0.04 2.0 1.25 0.25 1.0", "bond_coeff 2 harmonic 0.0 2.4",

@@ -8,7 +8,7 @@ from lammps_skin.start.build import build
 from tests.cells.conftest import of_kind, read_events
 from tests.cells.scripts import busy, fix_line, run_script, told
 
-COUNTS = 'print "OUT $(f_cells[5]) $(f_cells[6]) $(f_cells[7])"'
+COUNTS = 'print "OUT $(f_cells[9]) $(f_cells[10]) $(f_cells[11])"'
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_clear_begins_anew(tmp_path: Path) -> None:
     build(busy(), tmp_path)
     setup = (tmp_path / "skin.in").read_text().splitlines()[:-1]
     lines = ["run 16 post no", "shell cp events.csv first.csv", "clear", *setup, "run 16 post no"]
-    process = run_script(tmp_path, *lines, "print 'OUT $(f_cells[5])'")
+    process = run_script(tmp_path, *lines, "print 'OUT $(f_cells[9])'")
     ((births,),) = told(process)
     assert (tmp_path / "events.csv").read_text() == (tmp_path / "first.csv").read_text()
     assert len(of_kind(read_events(tmp_path), "birth")) == births

@@ -173,7 +173,7 @@ def test_added_cells_stand_on_the_membrane(tmp_path: Path) -> None:
         "graft at 0.4 add stem 3.1 2.9 nearest 12 6 nearest", "high at 0.4 add ta 0 0 27.9",
     )  # fmt: skip
     lines = [FREEZE, "run 20 post no", WRITE,
-             'print "OUT $(count(cells)) $(atoms) $(f_cells[7])"']  # fmt: skip
+             'print "OUT $(count(cells)) $(atoms) $(f_cells[11])"']  # fmt: skip
     ((count, atoms, next_id),) = told(run_script(tmp_path, *lines, ranks=2))
     assert (count, atoms, next_id) == (4, MEMBRANE + 4, 677)
     (state,) = snapshots(tmp_path / "state.dump")
@@ -198,7 +198,7 @@ def test_removal_ends_the_pair(tmp_path: Path) -> None:
     start = place(scene, [(Kind.STEM, (6.0, 6.0, HEIGHT + CONTACT), 10)])
     start.next_division[-1] = 0.1
     prepare(tmp_path, scene, start, "cut at 0.4 remove ta")
-    lines = ["run 20 post no", WRITE, 'print "OUT $(f_cells[4]) $(f_cells[6]) $(atoms)"']
+    lines = ["run 20 post no", WRITE, 'print "OUT $(f_cells[8]) $(f_cells[10]) $(atoms)"']
     assert told(run_script(tmp_path, *lines)) == [[0, 0, MEMBRANE + 1]]
     assert [(e.kind, e.id, e.parent, e.cause) for e in read_events(tmp_path)] == [
         ("birth", 674, 673, "division"), ("removal", 674, 673, "cut"),
@@ -267,7 +267,7 @@ def test_numbers_of_cells_follow_the_log(whole: Path) -> None:
     count = {kind: len(of_kind(events, kind)) for kind in ("birth", "death", "addition", "removal")}
     alive = 25 + count["birth"] + count["addition"] - count["death"] - count["removal"]
     assert row["Atoms"] == MEMBRANE + alive
-    assert (row["f_cells[5]"], row["f_cells[6]"]) == (count["birth"], count["death"])
+    assert (row["f_cells[9]"], row["f_cells[10]"]) == (count["birth"], count["death"])
 
 
 @pytest.mark.parametrize(("time", "ranks"), [(2.0, 2), (3.0, 1)], ids=["remove-and-add", "convert"])
@@ -275,7 +275,7 @@ def test_forces_are_those_of_the_state(
     time: float, ranks: int, busy: Scene, tmp_path: Path
 ) -> None:
     """Of the step of an intervention, and of a run of no steps from a data file of its state."""
-    columns = "pe c_cell_cell_exclusion f_cells[1] f_cells[2] f_cells[3] f_cells[4]"
+    columns = "pe c_cell_cell_exclusion f_cells[1] f_cells[2] f_cells[3] f_cells[8]"
     energies = ["fix_modify cells energy yes", f"thermo_style custom step {columns}"]
     out = "print 'OUT " + " ".join(f"$({column})" for column in columns.split()) + "'"
     prepare(tmp_path, busy, still(busy), *BUSY)

@@ -41,6 +41,7 @@ def row_of(name: str) -> str:
 
 
 ROWS = " ".join(map(row_of, LAWS))
+COUNTS = (4, 5, 6, 7, *range(12, 8 + len(LAWS)))  # of the kinds, in the vector of the fix
 FIX = (
     f"fix cells cells skin/cells 1 membrane 1 {ROWS} contact {CONTACT} spring 0 0.1 1 2 offset 0.1"
 )
@@ -149,7 +150,7 @@ def test_energies_forces_and_virials(ranks: int, tmp_path: Path) -> None:
 def test_a_restart_has_the_same_forces_and_numbers(tmp_path: Path) -> None:
     """Of all laws; given anew, with the values of a fix_modify."""
     change = ["fix_modify cells kind sticky law bound 2 detach 1.5 kind spring law adhesive 3 1.3"]
-    counts = " ".join(f"$(f_cells[{n}])" for n in range(1, 8 + len(LAWS)))
+    counts = " ".join(f"$(f_cells[{n}])" for n in (1, 2, 3, *COUNTS, *range(8, 12)))
     report = [f'print "OUT {counts}"']
     lines = [
         *setup(), *change, "run 0 post no", *report, DUMP.format("one"),
@@ -161,7 +162,7 @@ def test_a_restart_has_the_same_forces_and_numbers(tmp_path: Path) -> None:
     ]  # fmt: skip
     first, second = told(run(tmp_path, lines))
     assert first == second
-    assert first[7:] == [7, 7, 7, 7, 7, 7, 14, 14]
+    assert first[3:11] == [7, 7, 7, 7, 7, 7, 14, 14]
     one, two = (snapshots(tmp_path / f"{name}.dump")[0] for name in ("one", "two"))
     for name in one:
         np.testing.assert_array_equal(one[name], two[name])
@@ -176,8 +177,8 @@ def test_a_restart_has_the_same_forces_and_numbers(tmp_path: Path) -> None:
 def test_cells_beyond_their_end_leave(ranks: int, tmp_path: Path) -> None:
     """Bound ones too; those in pairs end them, or stay with `pairs stay yes`."""
     held = ["group membrane type 1", "timestep 0.01", "reset_timestep 0"]
-    numbers = " ".join(f"$(f_cells[{n}])" for n in range(8, 8 + len(LAWS)))
-    report = f'print "OUT {numbers} $(f_cells[4]) $(f_cells[6])"'
+    numbers = " ".join(f"$(f_cells[{n}])" for n in COUNTS)
+    report = f'print "OUT {numbers} $(f_cells[8]) $(f_cells[10])"'
     for stay in ("no", "yes"):
         folder = tmp_path / stay
         folder.mkdir()
@@ -216,9 +217,9 @@ def test_a_pair_ends_beyond_a_distance(ranks: int, tmp_path: Path) -> None:
     fix = f"{FIX} apart 0.5 every 2 log events.csv"
     lines = [line if line != FIX else fix for line in setup()]
     lines += [
-        "timestep 0.1", "run 30 post no", 'print "OUT $(f_cells[4]) $(time)"',
+        "timestep 0.1", "run 30 post no", 'print "OUT $(f_cells[8]) $(time)"',
         "displace_atoms wide move 0.3 0.2 -0.45", "run 4 post no",
-        'print "OUT $(f_cells[4]) $(time)"',
+        'print "OUT $(f_cells[8]) $(time)"',
     ]  # fmt: skip
     last = len(LAWS) * len(X) + len(places())  # the younger of the last pair, which never leaves
     lines.insert(-5, f"group wide id {last - 2 * len(X) + 2}")

@@ -46,7 +46,7 @@ def test_cells_immigrate(order: str, ranks: int, tmp_path: Path) -> None:
         lines = ["unfix cells", *lines, f"fix cells cells {fix_line(busy())} log events.csv"]
     process = run_script(
         tmp_path, *lines, DUMP, "run 44 post no",
-        'print "OUT $(f_cells[11]) $(f_cells[5]) $(f_cells[6]) $(f_cells[7])"',
+        'print "OUT $(f_cells[7]) $(f_cells[9]) $(f_cells[10]) $(f_cells[11])"',
         scene=busy(), ranks=ranks,
     )  # fmt: skip
     ((nd, births, deaths, next_id),) = told(process)
@@ -82,7 +82,7 @@ def test_created_cells_live(kind: str, height: float, set_state: list[str], tmp_
     lines = [
         "run 4 post no", f"create_atoms {kind} single 6 6 {height}", *set_state,
         "group cells id 676", "run 1 post no",
-        'print "OUT $(f_cells[6])"', "dump d cells custom 1 x.dump id d_next_division "
+        'print "OUT $(f_cells[10])"', "dump d cells custom 1 x.dump id d_next_division "
         "d_birth_time d_detached_time f_cells[7]", "run 3 post no",
     ]  # fmt: skip
     process = run_script(tmp_path, *lines, scene=busy(**{"cells.cycle_delay": 4.0}))
@@ -127,9 +127,9 @@ def test_a_wound_ends_pairs(which: str, ranks: int, tmp_path: Path) -> None:
         f"write_dump cells custom before.dump {state}",
         f'variable gone atom "{variable.replace("i_pair", "c_pair")}"', "group gone variable gone",
         "delete_atoms group gone", 'print "OUT $(count(gone))"', "run 0 post no",
-        f"write_dump cells custom after.dump {state}", 'print "OUT $(f_cells[4])"',
+        f"write_dump cells custom after.dump {state}", 'print "OUT $(f_cells[8])"',
         "run 30 post no",
-        'print "OUT $(f_cells[6])"',
+        'print "OUT $(f_cells[10])"',
     ]  # fmt: skip
     process = run_script(tmp_path, *lines, scene=busy(), ranks=ranks)
     assert told(process)[1] == [0.0]
@@ -162,7 +162,7 @@ def test_cells_evaporate(order: str, ranks: int, tmp_path: Path) -> None:
         lines = ["unfix cells", *lines, f"fix cells cells {fix_line(busy())} log events.csv"]
     process = run_script(
         tmp_path, "run 16 post no", *lines, DUMP, "run 12 post no",
-        'print "OUT $(atoms) $(count(all)) $(f_cells[8]+f_cells[9]+f_cells[10]+f_cells[11])"',
+        'print "OUT $(atoms) $(count(all)) $(f_cells[4]+f_cells[5]+f_cells[6]+f_cells[7])"',
         scene=busy(), ranks=ranks,
     )  # fmt: skip
     ((atoms, counted, cells),) = told(process)
@@ -251,7 +251,7 @@ def test_lists_without_a_skin(tmp_path: Path) -> None:
     """Built anew on each step."""
     process = run_script(
         tmp_path, "neighbor 0.0 multi", "unfix motion", "fix motion all skin/motion euler",
-        "timestep 0.01", "run 100 post no", 'print "OUT $(f_cells[8]) $(f_cells[11])"',
+        "timestep 0.01", "run 100 post no", 'print "OUT $(f_cells[4]) $(f_cells[7])"',
         scene=busy(),
     )  # fmt: skip
     assert told(process) == [[2.0, 1.0]]
@@ -288,10 +288,10 @@ def test_daughters_are_in_the_groups_that_are_meant(tmp_path: Path) -> None:
         "group stems type stem", "group clone id 673", "unfix cells",
         f"fix cells cells {fix_line(scene)} inherit clone", "fix hold stems setforce 0 0 0",
         "compute way stems displace/atom", "run 36 post no",
-        "compute far stems reduce max c_way[4]", "variable born equal f_cells[5]",
+        "compute far stems reduce max c_way[4]", "variable born equal f_cells[9]",
         "dump d clone custom 1 clone.dump id i_parent", "dump s stems custom 1 stems.dump id type",
         "run 0 post no",
-        'print "OUT $(count(stems)) $(count(cells)) $(count(clone)) $(f_cells[5]) $(c_far)"',
+        'print "OUT $(count(stems)) $(count(cells)) $(count(clone)) $(f_cells[9]) $(c_far)"',
     ]  # fmt: skip
     ((stems, cells, clone, births, far),) = told(run_script(tmp_path, *lines, scene=scene))
     assert stems == 2

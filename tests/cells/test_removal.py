@@ -265,12 +265,12 @@ def test_all_counts_agree_at_all_times(crowded_run: tuple[Path, Cells]) -> None:
     assert len(rows) == 151
 
     for time, row in rows.items():
-        births, deaths = row["f_cells[5]"], row["f_cells[6]"]
-        alive = sum(row[f"f_cells[{n}]"] for n in (8, 9, 10, 11))
+        births, deaths = row["f_cells[9]"], row["f_cells[10]"]
+        alive = sum(row[f"f_cells[{n}]"] for n in (4, 5, 6, 7))
         assert FOUNDERS + births - deaths == alive == row["Atoms"] - MEMBRANE
         assert births == sum(e.time <= time for e in of_kind(events, "birth"))
         assert deaths == len(gone(events, time)) or deaths == len(gone(events, time, leaving=True))
-    assert len({(row["f_cells[8]"], row["f_cells[11]"]) for row in rows.values()}) == 1
+    assert len({(row["f_cells[4]"], row["f_cells[7]"]) for row in rows.values()}) == 1
 
 
 def test_dump_holds_the_living(crowded_run: tuple[Path, Cells]) -> None:
@@ -287,7 +287,7 @@ def test_dump_holds_the_living(crowded_run: tuple[Path, Cells]) -> None:
         assert ids == sorted(ids)
         assert len(ids) == rows[time]["Atoms"]
         numbers = Counter(types)
-        for type_, column in enumerate((8, 9, 10, 11), 2):
+        for type_, column in enumerate((4, 5, 6, 7), 2):
             assert numbers[type_] == rows[time][f"f_cells[{column}]"]
     assert dumped[-1][1][MEMBRANE:] == last.ids.tolist()
 
@@ -359,7 +359,7 @@ def test_what_a_rejected_step_has_seen_did_not_happen(tmp_path: Path) -> None:
         "group membrane type membrane", "fix hold membrane setforce 0 0 0",
         "fix tether cells spring/self 222", "displace_atoms cells move 0 0 -0.05", "unfix motion",
         "fix motion all skin/motion rkl1 stages 5 move 0.2",
-        "run 8 post no", 'print "OUT $(f_motion[1]) $(f_cells[6]) $(f_cells[10])"',
+        "run 8 post no", 'print "OUT $(f_motion[1]) $(f_cells[10]) $(f_cells[6])"',
     ]  # fmt: skip
     ((divided, deaths, exhausted),) = told(run_script(tmp_path, *lines, scene=scene, start=start))
     assert divided > 0

@@ -226,7 +226,7 @@ def test_restart_remembers_the_ids_of_the_dead(tmp_path: Path) -> None:
     run(tmp_path, *RESTART)
     assert [(e.kind, e.id) for e in read_events(tmp_path)] == [("death", 674), ("birth", 675)]
     row = thermo(tmp_path)[-1]
-    assert (row["f_cells[5]"], row["f_cells[6]"]) == (1, 1)
+    assert (row["f_cells[9]"], row["f_cells[10]"]) == (1, 1)
 
 
 def test_membrane_without_cells_restarts(tmp_path: Path) -> None:

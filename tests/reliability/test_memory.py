@@ -64,7 +64,7 @@ def start(lammps: Any, log: Path, first_id: int = 145, kind: str = "yes") -> Non
 
 
 def births(lammps: Any) -> int:
-    return int(lammps.extract_fix("cells", 0, 1, 4, 0))
+    return int(lammps.extract_fix("cells", 0, 1, 8, 0))
 
 
 def resident() -> int:

@@ -107,7 +107,7 @@ def test_data_file(half: Path, whole: Path, scene: Scene, tmp_path: Path) -> Non
     """Through write_data and read_data; the log of the second half is one of its own."""
     build(scene, tmp_path, founders(scene))
     end = variables(end_time=scene.end_time / 2)
-    write = "write_data ${dir}/half.data nocoeff\nprint 'next_id $(f_cells[7]:%.0f)'\n"
+    write = "write_data ${dir}/half.data nocoeff\nprint 'next_id $(f_cells[11]:%.0f)'\n"
     said = run_script(tmp_path, WHOLE_RUN + write, *end)
     next_id = int(said.split("next_id")[-1].split()[0])
     (tmp_path / "half.data").rename(tmp_path / "skin.data")

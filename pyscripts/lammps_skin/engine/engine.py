@@ -24,7 +24,7 @@ COLUMNS = (
     "partner", "divisions_left", "next_division", "parent", "pair", "birth_time", "distance",
 )  # fmt: skip
 WHOLE = ("partner", "divisions_left", "parent", "pair", "divisions_done")
-NEXT_ID = 6  # place in the global vector of fix skin/cells
+NEXT_ID = 10  # place in the global vector of fix skin/cells
 
 _mpi: ctypes.CDLL | None = None
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.errors import SceneError, one_line
-from lammps_skin.kinds import Kind
+from lammps_skin.kinds import KINDS, Kind
 from lammps_skin.model.changes import changes
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import to_toml
@@ -180,7 +180,7 @@ def _cell_variables(terms: Terms, configuration: Configuration, string: Any) -> 
     yield string("cell_types", f"{last - len(labels) + 1}*{last}")
     yield string("cell_labels", *labels)
     yield string("cell_kinds", " &\n                ".join(_kind_arguments(terms)))
-    yield string("cell_counts", *(f"f_cells[{8 + n}]" for n in range(len(labels))))
+    yield string("cell_counts", *_places_of_counts([row.kind for row in scene.cell_kinds]))
     yield string("contact", scene.contact)
     yield string("core", CORE * scene.contact if cells.membrane_exclusion_stiffness else 0)
     yield string("spring", *terms.division)
@@ -189,6 +189,13 @@ def _cell_variables(terms: Terms, configuration: Configuration, string: Any) -> 
     yield string("apart", cells.division_distance * 2 * cells.radius)
     yield string("next_id", configuration.next_id)
     yield string("interventions", " &\n                ".join(arguments(scene, configuration.time)))
+
+
+def _places_of_counts(kinds: list[Kind]) -> Iterator[str]:
+    """Entries of the vector of fix skin/cells that count the cells of kinds."""
+    others = [kind for kind in kinds if kind not in KINDS]
+    for kind in kinds:
+        yield f"f_cells[{12 + others.index(kind) if kind in others else kind + 1}]"
 
 
 def _kind_arguments(terms: Terms) -> Iterator[str]:
