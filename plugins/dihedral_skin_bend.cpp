@@ -270,15 +270,18 @@ void DihedralSkinBend::init_style()
   build.forget();
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   K of each type, with a minus sign for the diverging form
+------------------------------------------------------------------------- */
 
 void DihedralSkinBend::write_restart(FILE *fp)
 {
-  const size_t n = atom->ndihedraltypes;
-  for (const double *all : {stiffness, limit})
-    if (fwrite(&all[1], sizeof(double), n, fp) != n)
+  for (int i = 1; i <= atom->ndihedraltypes; i++) {
+    const double k = std::copysign(stiffness[i], diverges(i) ? -1.0 : 1.0);
+    if (fwrite(&k, sizeof(double), 1, fp) != 1)
       error->one(FLERR, "Dihedral skin/bend: cannot write to the restart file: {}",
                  utils::getsyserror());
+  }
 }
 
 /* ---------------------------------------------------------------------- */
@@ -288,11 +291,13 @@ void DihedralSkinBend::read_restart(FILE *fp)
   allocate();
 
   const int n = atom->ndihedraltypes;
-  for (double *all : {stiffness, limit}) {
-    if (comm->me == 0) utils::sfread(FLERR, &all[1], sizeof(double), n, fp, nullptr, error);
-    MPI_Bcast(&all[1], n, MPI_DOUBLE, 0, world);
+  if (comm->me == 0) utils::sfread(FLERR, &stiffness[1], sizeof(double), n, fp, nullptr, error);
+  MPI_Bcast(&stiffness[1], n, MPI_DOUBLE, 0, world);
+  for (int i = 1; i <= n; i++) {
+    limit[i] = std::signbit(stiffness[i]) ? 0.0 : SkinFoldLaw::NO_LIMIT;
+    stiffness[i] = std::fabs(stiffness[i]);
+    setflag[i] = 1;
   }
-  for (int i = 1; i <= atom->ndihedraltypes; i++) setflag[i] = 1;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -300,7 +305,7 @@ void DihedralSkinBend::read_restart(FILE *fp)
 void DihedralSkinBend::write_data(FILE *fp)
 {
   for (int i = 1; i <= atom->ndihedraltypes; i++)
-    utils::print(fp, "{} {:.17g} {}\n", i, stiffness[i], limit[i] == 0.0 ? DIVERGING : COSINE);
+    utils::print(fp, "{} {:.17g} {}\n", i, stiffness[i], diverges(i) ? DIVERGING : COSINE);
 }
 
 /* ----------------------------------------------------------------------

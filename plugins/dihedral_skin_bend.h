@@ -41,6 +41,7 @@ class DihedralSkinBend : public Dihedral {
   SkinInverted inverted_triangles;
 
   void allocate();
+  bool diverges(int type) const { return limit[type] == 0.0; }
   SkinFoldLaw law() const;
   double cosine(int, int) const;
   void tally_energy();

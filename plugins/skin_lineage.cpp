@@ -64,12 +64,13 @@ std::vector<double> SkinLineage::to_restart()
 
 void SkinLineage::from_restart(const char *buf)
 {
-  double list[NSTORED];
+  double list[NSTORED] = {};
   std::memcpy(list, buf, sizeof(double));
-  if (list[0] != RESTART_FORMAT)
+  const bool older = list[0] == WITHOUT_INTERVENTIONS;
+  if (list[0] != RESTART_FORMAT && !older)
     error->all(FLERR,
                "Fix skin/cells: the restart file was written by another version of this fix");
-  std::memcpy(list, buf, sizeof(list));
+  std::memcpy(list, buf, sizeof(list) - (older ? sizeof(double) : 0));
   go_on(list);
 }
 
@@ -81,7 +82,7 @@ void SkinLineage::go_on(const double *list)
   births = (bigint) list[2];
   deaths = (bigint) list[3];
   log_position = (bigint) list[4];
-  interventions.resume_after(list[5]);
+  if (list[0] == RESTART_FORMAT) interventions.resume_after(list[5]);
 }
 
 /* ---------------------------------------------------------------------- */

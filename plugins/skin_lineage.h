@@ -50,6 +50,7 @@ class SkinLineage : protected Pointers {
  private:
   static constexpr int NSTORED = 6;    // values in a restart file, of which the first is this:
   static constexpr double RESTART_FORMAT = -2.0;
+  static constexpr double WITHOUT_INTERVENTIONS = -1.0;    // the format before, without the last
 
   const SkinCellKinds &kinds;
   SkinInterventions &interventions;    // those that have happened do not happen again

@@ -246,6 +246,10 @@ def test_keywords_of_the_fix() -> None:
     known = re.findall(r'word == "(\w+)"', text("plugins/skin_cell_kinds.cpp"))
     of_kinds = rows(section("fix_skin_cells.md", "Kinds of cells"))
     assert sorted(row[0].strip("`") for row in of_kinds) == sorted(known)
+    code = text("plugins/skin_model_kinds.cpp")
+    known = re.findall(r'\{"(\w+)", SkinCellKind::', code) + re.findall(r'keyword == "(\w+)"', code)
+    of_model = rows(section("fix_skin_cells.md", "The kinds of the model in few words"))
+    assert sorted(row[0].strip("`") for row in of_model) == sorted(known)
     code = re.sub(r"\s+", " ", text("plugins/fix_skin_cells_settings.cpp"))
     found = re.search(r"required = \{(.*?)\}", code)
     assert found
@@ -264,16 +268,17 @@ def test_properties_of_cells() -> None:
 def test_output_of_the_fix() -> None:
     heading = "Restart, fix_modify, output, run start/stop, minimize info"
     markdown = section("fix_skin_cells.md", heading)
-    code = text("plugins/fix_skin_cells.cpp")
-    more = re.search(r"size_vector = NTERMS \+ (\d+) \+ cells.kinds.size\(\)", code)
-    columns = re.search(r"NCOLUMNS = (\d+)", text("plugins/fix_skin_cells.h"))
-    assert more
-    assert columns
+    code = text("plugins/fix_skin_cells.h")
+    terms, counts = (re.search(rf"enum {name} {{(.*?)}}", code) for name in ("Term", "Count"))
+    columns = re.search(r"NCOLUMNS = (\d+)", code)
+    numbered = re.search(r"NFIRST = (\d+)", text("plugins/skin_cell_kinds.h"))
+    assert terms and counts and columns and numbered
     vector, array = markdown.split("| array column |")
-    first, last = 3 + int(more[1]), "8, 9, ..."
-    assert [row[0] for row in rows(vector)] == [*(str(n) for n in range(1, first + 1)), last]
+    fixed = terms[1].count(",") + counts[1].count(",") + int(numbered[1])
+    places = ", ".join(row[0] for row in rows(vector))
+    assert places == ", ".join([*(str(n) for n in range(1, fixed + 3)), "..."])
     assert len(rows(array)) == int(columns[1])
-    assert f"vector of length {first} plus the number of kinds" in markdown
+    assert f"vector of length {fixed} or more" in markdown
     assert f"array with {columns[1]} columns" in " ".join(markdown.split())
 
 

@@ -188,13 +188,27 @@ def test_a_restart_file_without_a_hash_is_read_elsewhere_first(run: Path) -> Non
     assert found.notes[0].startswith(f"checkpoint {newest(run)}: ")
 
 
+def test_a_checkpoint_from_before_there_were_interventions(run: Path) -> None:
+    """Its number of the form is another one, and it lacks the last of what is stored now."""
+    content = newest(run).read_bytes()
+    size = content.index(b"skin/cells\0") + len(b"skin/cells\0")
+    stored = int.from_bytes(content[size : size + 4], sys.byteorder)
+    values = np.frombuffer(content, float, stored // 8, size + 4).copy()
+    values[0] = -1.0
+    shorter = (stored - 8).to_bytes(4, sys.byteorder)
+    rest = values[:-1].tobytes() + content[size + 4 + stored :]
+    newest(run).write_bytes(content[:size] + shorter + rest)
+    (run / "checkpoints.json").unlink()
+    assert find_resumption(run).restart == newest(run).name
+
+
 def test_another_version_of_the_plugin(run: Path) -> None:
     """Its own number of the form stands before what it stores: 2 of them, as a double."""
     content = newest(run).read_bytes()
     assert content.count(b"skin/cells\0") == 1
-    place = content.index(b"skin/cells\0") + len(b"skin/cells\0") + 8
+    place = content.index(b"skin/cells\0") + len(b"skin/cells\0") + 4
     form = np.frombuffer(content, float, 1, place)
-    changed = content[:place] + (form + 1).tobytes() + content[place + 8 :]
+    changed = content[:place] + (form - 1).tobytes() + content[place + 8 :]
     newest(run).write_bytes(changed)
     (run / "checkpoints.json").unlink()
     found = find_resumption(run)

@@ -13,6 +13,7 @@ from lammps_skin.trajectory.check import NEXT_ID
 from lammps_skin.trajectory.dump import PARTICLE_COLUMNS, STATE_COLUMNS, Dump
 from lammps_skin.trajectory.frame import ABSENT, ADDED
 from lammps_skin.trajectory.store import Store
+from lammps_skin.trajectory.writer import TrajectoryWriter
 
 WIDTH = len(PARTICLE_COLUMNS) + len(STATE_COLUMNS)
 
@@ -60,6 +61,18 @@ def test_dumps_alike(run, older_dump):
         assert np.isnan(old.state["detached_time"]).all()
     parents = [Dump(place / "skin.dump").parents(5, 0) for place in (older_dump, run.directory)]
     assert np.array_equal(*parents)
+
+
+def test_they_go_on_with_all_that_is_kept_now(run, older):
+    whole = run.frames[-1]
+    with TrajectoryWriter.append(older, run.frames[-2].step) as writer:
+        writer.write(whole)
+    before, last = list(Store(older))[-2:]
+    assert before.next_id == ABSENT and (before.state["divisions_done"] == ABSENT).all()
+    assert last.next_id == whole.next_id
+    for name, column in whole.state.items():
+        assert np.array_equal(last.state[name], column, True), name
+    assert len(observables(older)) == len(run.frames)
 
 
 @pytest.mark.parametrize("form", ["older", "older_dump"])

@@ -20,7 +20,7 @@ from lammps_skin.kinds import is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.trajectory.check import GROUP, MEMBERS, NEXT_ID
-from lammps_skin.trajectory.frame import ABSENT, CELL_STATE, WHOLE, Frame
+from lammps_skin.trajectory.frame import ABSENT, ADDED, CELL_STATE, WHOLE, Frame
 from lammps_skin.trajectory.hdf5 import open_hdf5
 from lammps_skin.versions import versions
 
@@ -93,6 +93,7 @@ class TrajectoryWriter:
         except (KeyError, ValueError):
             writer.close()
             raise SkinError(f"trajectory {path}: is no trajectory in HDF5") from None
+        writer._add_missing()
         kept = len(steps) if until is None else int(np.searchsorted(steps, until, side="right"))
         if kept < len(steps):
             writer._cut(kept)
@@ -208,16 +209,36 @@ class TrajectoryWriter:
         box.attrs.create("boundary", BOUNDARY, dtype=h5py.string_dtype("ascii", 8))
         edges = box.create_group("edges")
         edges.create_dataset("value", (0, 3), "f8", maxshape=(None, 3), chunks=(256, 3))
-        next_id = self._file.create_group(NEXT_ID)
-        next_id.create_dataset("value", (0,), "i8", maxshape=(None,), chunks=(1024,))
         others = [self._create("id", ABSENT, "i4"), self._create("species", ABSENT, "i4")]
-        others += [
-            self._create(name, fill, "i4" if name in WHOLE else "f8")
-            for name, fill in CELL_STATE.items()
-        ]
-        for element in (edges, next_id, *others):
-            element["step"] = position["step"]
-            element["time"] = position["time"]
+        others += [self._create_state(name) for name in CELL_STATE]
+        self._link_times(edges, self._create_next_id(), *others)
+
+    def _create_next_id(self) -> Any:
+        group = self._file.create_group(NEXT_ID)
+        group.create_dataset(
+            "value", (0,), "i8", maxshape=(None,), fillvalue=ABSENT, chunks=(1024,)
+        )
+        return group
+
+    def _create_state(self, name: str) -> Any:
+        return self._create(name, CELL_STATE[name], "i4" if name in WHOLE else "f8")
+
+    def _link_times(self, *elements: Any) -> None:
+        for element in elements:
+            for name in ("step", "time"):
+                element[name] = self._particles["position"][name]
+
+    def _add_missing(self) -> None:
+        """Create the elements that an older file lacks; its frames do not tell them."""
+        for name in ADDED:
+            if name not in self._particles:
+                element = self._create_state(name)
+                element["value"].resize((self._frames, self._slots))
+                self._link_times(element)
+        if NEXT_ID not in self._file:
+            element = self._create_next_id()
+            element["value"].resize(self._frames, axis=0)
+            self._link_times(element)
 
     def _create(self, name: str, fill: float, kind: str, inner: tuple[int, ...] = ()) -> Any:
         """A time-dependent element of the particles, without its step and time."""
