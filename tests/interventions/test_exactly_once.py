@@ -45,6 +45,19 @@ def test_rows(scene: Scene, whole: Path) -> None:
     assert grafted[5:7] == ["6", "6"] and grafted[3] == "0"
 
 
+def test_cells_that_come_later_alone(tmp_path: Path) -> None:
+    """A scene without a first cell is run as it was built, and resumed."""
+    graft = {"name": "graft", "at": 1.0, "add": "stem", "places": [[5.0, 5.0]]}
+    keys = {"end_time": 2.0, "cells.stem": 0, "interventions": [graft]}
+    build(Scene.load("two-cells").replace(**keys), tmp_path)
+    with Simulation.begin_built(tmp_path) as simulation:
+        simulation.run(until=1.5)
+    with Simulation.resume(tmp_path) as simulation:
+        simulation.run()
+        assert simulation.cells().ids.tolist() == [24 * 28 + 1]
+    assert log(tmp_path).count("addition") == 1
+
+
 def test_whoever_reads_the_log_knows_them(whole: Path) -> None:
     events, store = read_events(whole / "events.csv"), Store(whole / "skin.h5")
     first, last = store[0], store[len(store) - 1]

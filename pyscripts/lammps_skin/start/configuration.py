@@ -372,7 +372,7 @@ class Configuration:
         write_data_file(
             path, [kind.label for kind in kinds], self.box, self.ids, types, self.wrapped(),
             self.ids[self.links], self.ids[self.hinges],
-            np.where(self.is_cell[:, None], state, 0.0) if self.is_cell.any() else None,
+            np.where(self.is_cell[:, None], state, 0.0) if any(map(is_cell, kinds)) else None,
         )  # fmt: skip
 
 
