@@ -24,7 +24,7 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cells(lmp, groupbit), pairs(lmp, cells), divisions(lmp, cells, pairs),
     attachment(lmp, cells, pairs), interventions(lmp), lineage(lmp, cells.kinds, interventions),
     state_section(lmp), every(1), energy{}, energy_all{}, energy_summed(false), nmax(0),
-    rearranged(true)
+    rearranged(true), reach_checked(false)
 {
   parse(narg, arg);
   lineage.skip_used_ids();    // also those of atoms that are removed before the first run
@@ -98,7 +98,7 @@ void FixSkinCells::forget_detached_after(double offset)
 void FixSkinCells::setup_pre_reverse(int eflag, int vflag)
 {
   cells.known_atoms = atom->natoms;
-  attachment.check_reach();
+  reach_checked = false;
   pre_reverse(eflag, vflag);
 }
 

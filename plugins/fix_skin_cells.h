@@ -76,8 +76,10 @@ class FixSkinCells : public Fix {
   bool energy_summed;
   int nmax;           // rows of array_atom
   bool rearranged;    // atoms have come, gone or changed places since cells were listed
+  bool reach_checked;    // that of ghost particles, for the kinds of cells as they are
 
   void parse(int, char **);
+  void begin_to_count(int kind);
   void check_settings() const;
   void check_others() const;
   bool is_first() const;

@@ -15,6 +15,8 @@ using namespace LAMMPS_NS;
 
 void FixSkinCells::pre_reverse(int eflag, int vflag)
 {
+  if (!reach_checked) attachment.check_reach();
+  reach_checked = true;
   add_forces(ATTACHMENT | SPRINGS, eflag, vflag);
 }
 
@@ -109,13 +111,14 @@ void FixSkinCells::tally(int term, int i, double e, const double *way, double fa
 void FixSkinCells::write_row(int i, const SkinNearest::Neighbor &closest)
 {
   const SkinCellState &state = cells.state;
+  const bool sure = attachment.is_sure(closest);
   double *row = array_atom[i];
-  row[0] = closest.index < 0 ? 0 : atom->tag[closest.index];
+  row[0] = sure ? atom->tag[closest.index] : 0;
   row[1] = state.divisions_left[i];
   row[2] = state.next_division[i];
   row[3] = state.parent[i];
   row[4] = state.pair[i];
   row[5] = state.birth_time[i];
-  row[6] = closest.index < 0 ? -1.0 : std::sqrt(closest.distsq);
+  row[6] = sure ? std::sqrt(closest.distsq) : -1.0;
   row[7] = state.pair[i] ? state.pair_start[i] : SkinCellState::NEVER;
 }

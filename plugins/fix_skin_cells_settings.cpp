@@ -5,6 +5,7 @@
 #include "skin_arguments.h"
 #include "skin_model_kinds.h"
 
+#include "atom.h"
 #include "error.h"
 #include "group.h"
 #include "utils.h"
@@ -94,6 +95,22 @@ int FixSkinCells::modify_param(int narg, char **arg)
 {
   SkinArguments arguments(lmp, "Fix skin/cells", narg, arg);
   if (arguments.keyword() != "kind") return 0;
-  cells.kinds.change(arguments);
+  const SkinCellKinds before = cells.kinds;
+  const int kind = cells.kinds.change(arguments);
+  if (cells.kinds[kind].limited() && !before[kind].limited()) begin_to_count(kind);
+  reach_checked = false;
   return arguments.used();
+}
+
+/* ----------------------------------------------------------------------
+   cells of a kind that was endless and has generations now: those that had no divisions to count
+   have all of them, or their next division is their last
+------------------------------------------------------------------------- */
+
+void FixSkinCells::begin_to_count(int kind)
+{
+  cells.find_state();
+  for (int i = 0; i < atom->nlocal; i++)
+    if (cells.kind_of(i) == kind && cells.state.divisions_left[i] == 0)
+      cells.state.divisions_left[i] = std::max(cells.kinds[kind].generations, 1);
 }

@@ -123,9 +123,9 @@ void SkinAttachment::watch(int i, const SkinNearest::Neighbor &closest)
   double &detached_time = cells.state.detached_time[i];
 
   if (r < core && at_end) pierced(i, closest, r);
-  if (!kind.detaches()) {
+  if (kind.always_pulled()) {
     if (!(r <= reach()) && at_end) lost(i, r);
-  } else if (!(stretch(closest) <= kind.detachment - 1.0) && detached_time < 0.0 &&
+  } else if (kind.detaches() && !(stretch(closest) <= kind.detachment - 1.0) && detached_time < 0.0 &&
              update->whichflag == 1 && !(pairs.stay && cells.state.pair[i])) {
     detached_time = cells.clock.now();
   }
@@ -152,7 +152,7 @@ bool SkinAttachment::any_astray()
 {
   for (int k = 0; k < (int) cells.list.size(); k++) {
     const SkinNearest::Neighbor closest = nearest_candidate(k);
-    if (!cells.row_of(cells.list[k]).detaches() && !is_sure(closest)) return true;
+    if (cells.row_of(cells.list[k]).always_pulled() && !is_sure(closest)) return true;
     if (closest.index >= 0 && closest.distsq < core * core) return true;
   }
   return false;

@@ -40,7 +40,7 @@ void SkinCellKinds::add(const SkinCellKind &row)
    the former table stays if the new values are wrong
 ------------------------------------------------------------------------- */
 
-void SkinCellKinds::change(SkinArguments &arguments)
+int SkinCellKinds::change(SkinArguments &arguments)
 {
   const std::string name = arguments.word();
   const int kind = find(name);
@@ -53,6 +53,7 @@ void SkinCellKinds::change(SkinArguments &arguments)
                arguments.at_end() ? "nothing" : arguments.following());
   changed.complete();
   rows = changed.rows;
+  return kind;
 }
 
 /* ----------------------------------------------------------------------

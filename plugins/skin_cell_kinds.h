@@ -41,6 +41,10 @@ struct SkinCellKind {
   bool divides() const { return daughter != 0; }
   bool limited() const { return divides() && generations != ENDLESS; }
   bool detaches() const { return detachment < INFINITY; }
+
+  // the membrane pulls at its cells however far they are
+
+  bool always_pulled() const { return law == BOUND && !detaches(); }
 };
 
 class SkinCellKinds : protected Pointers {
@@ -59,9 +63,9 @@ class SkinCellKinds : protected Pointers {
   void add(const SkinCellKind &);
   void complete();
 
-  // read a name and other values of that row
+  // read a name and other values of that row, which is returned
 
-  void change(SkinArguments &);
+  int change(SkinArguments &);
 
   // 0 is what is no cell, rows are numbered from 1
 

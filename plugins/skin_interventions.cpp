@@ -225,6 +225,10 @@ void SkinInterventions::complete(const SkinCellKinds &kinds)
 
 void SkinInterventions::begin(double time)
 {
+  for (const SkinIntervention &one : list)
+    if (one.period > 0.0 && one.period < update->dt * (1.0 - ROUNDING))
+      error->all(FLERR, "Fix skin/cells intervene {} every = {}: must be >= {}, the timestep",
+                 one.name, one.period, update->dt);
   if (std::isfinite(past)) return;
   past = time - ROUNDING * update->dt;
   if (comm->me != 0) return;

@@ -325,6 +325,16 @@ def test_times_before_the_first_run_are_past(tmp_path: Path) -> None:
 # ---- what ends the run
 
 
+def test_no_more_than_one_a_step(tmp_path: Path) -> None:
+    """An occurrence on each step is done; more of them are an error before the first step."""
+    scene = quiet_scene()
+    prepare(tmp_path, scene, still(scene), "often at 0.1 every 0.02 change")
+    assert run_script(tmp_path, "run 20 post no").returncode == 0
+    assert len(rows(tmp_path, "often")) == 16
+    error = error_of(run_script(tmp_path, "timestep 0.021", "run 1"))
+    assert "Fix skin/cells intervene often every = 0.02: must be >= 0.021, the timestep" in error
+
+
 @pytest.mark.parametrize(
     ("add", "message"),
     [

@@ -204,11 +204,35 @@ def test_cells_beyond_their_end_leave(ranks: int, tmp_path: Path) -> None:
             assert min(deaths) > 1.9
 
 
-def test_a_cell_that_does_not_detach_is_lost(tmp_path: Path) -> None:
-    lines = [*setup(), f"set type 4 z {HEIGHT + 5.2}", "run 0"]
+def test_a_cell_whose_spring_does_not_end_is_lost(tmp_path: Path) -> None:
+    lines = [*setup(), f"set type 2 z {HEIGHT + 5.2}", "run 0"]
     message = error_of(run(tmp_path, lines))
-    assert "Fix skin/cells: sticky cell" in message
+    assert "Fix skin/cells: spring cell" in message
     assert "has lost the membrane on step 0" in message
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_cell_that_does_not_detach_may_be_anywhere(ranks: int, tmp_path: Path) -> None:
+    """It keeps the energy of its plateau, and has no nearest membrane particle out of reach."""
+    lines = [
+        *setup(), f"set type 4 z {HEIGHT + 5.2}", "timestep 0.01", "run 4 post no",
+        "compute nearest all reduce max f_cells[1] f_cells[7]", "group far type 4",
+        "compute far far reduce max f_cells[1] f_cells[7]", "run 0 post no",
+        f'print "OUT $(f_cells[{COUNTS[2]}]) $(f_cells[1]:%.12g) $(c_far[1]) $(c_far[2])"',
+    ]  # fmt: skip
+    ((count, adhesion, partner, distance),) = told(run(tmp_path, lines, ranks))
+    assert count == len(X)
+    assert adhesion >= len(X) * 9.0 * u_kind(np.array([9.9]), "adhesive", 1.4, NONE)[0][0]
+    assert (partner, distance) == (0, -1)
+
+
+def test_without_setup_ghosts_must_reach_as_far(tmp_path: Path) -> None:
+    """A kind whose range is longer from now on is compared with ghosts when forces are needed."""
+    change = "fix_modify cells kind late law adhesive 9 2.5"
+    message = error_of(run(tmp_path, [*setup(), "run 1", change, "run 1 pre no"]))
+    assert "needs a communication cutoff of at least 6.6 but has 5.5" in message
+    lines = [*setup(), "run 1", change, "comm_modify cutoff 7", "run 1"]
+    assert run(tmp_path, lines).returncode == 0
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

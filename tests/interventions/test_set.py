@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from lammps_skin.engine.built import variable
+from lammps_skin.kinds import Kind
 from lammps_skin.model.changes import changes
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
@@ -112,6 +113,28 @@ def test_a_faster_cycle_has_a_shorter_timestep() -> None:
     ]})  # fmt: skip
     assert fast.numerics.timestep < slow.numerics.timestep
     assert fast.numerics == fast.later_stages[0].numerics
+
+
+def test_generations_that_are_endless_until_then(scene: Scene, tmp_path: Path) -> None:
+    """Cells that had none to count get those of the kind, once: also with a restart after it."""
+    keys = {
+        "cells.kinds.ta": {"generations": "endless"}, "cells.stem": 4, "end_time": 14.0,
+        "interventions": [{"name": "limit", "at": 8.0, "set": {"cells.kinds.ta.generations": 2}}],
+    }  # fmt: skip
+    limited = scene.replace(**keys)
+    with Simulation.begin(limited, tmp_path / "whole") as whole:
+        for time, expected in ((8.0, 0), (8.25, 2)):  # no event step is between
+            whole.run(until=time)
+            cells = whole.cells()
+            assert set(cells.divisions_left[cells.types == Kind.TA]) == {expected}
+        whole.run()
+    with Simulation.begin(limited, tmp_path / "cut") as cut:
+        cut.run(until=11.0)
+    with Simulation.resume(tmp_path / "cut") as cut:
+        cut.run()
+    events = [(tmp_path / name / "events.csv").read_text() for name in ("whole", "cut")]
+    assert events[0] == events[1]
+    assert f",{Kind.EXHAUSTED:d}," in events[0]
 
 
 @pytest.mark.parametrize(("end", "count"), [(2.0, 0), (3.0, 0), (3.5, 1), (6.0, 2)])
