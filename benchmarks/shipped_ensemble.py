@@ -11,7 +11,7 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from lammps_skin.analysis.observables import load
+from lammps_skin.analysis.observables import read_table
 from lammps_skin.study.tradeoff.bias import biases
 
 DATA = Path(__file__).resolve().parents[1] / "docs" / "data"
@@ -23,7 +23,7 @@ def main() -> None:
     parser.add_argument(
         "table", type=Path, nargs="?", default=DATA / "balanced-quarter-ring.csv.gz"
     )
-    table = load(parser.parse_args().table)
+    table = read_table(parser.parse_args().table)
     seeds = {int(seed): table[table["seed"] == seed] for seed in np.unique(table["seed"])}
     with (DATA / "tradeoff-quarter-ring-ensemble.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["variant"] == BEFORE]

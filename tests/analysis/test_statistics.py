@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy.stats
-from lammps_skin.analysis.statistics import mean, mean_in_time
+from lammps_skin.analysis.statistics import difference, mean, mean_in_time, pseudo_values
 
 
 def test_mean_by_hand():
@@ -12,6 +12,28 @@ def test_mean_by_hand():
     assert found.error == pytest.approx(np.sqrt(7 / 3))
     low, high = scipy.stats.t(2, 3, np.sqrt(7 / 3)).interval(0.95)
     assert (found.low, found.high) == pytest.approx((low, high))
+
+
+def test_difference_of_means():
+    one, other = np.array([1.0, np.nan, 2.0, 6.0]), np.array([0.5, 0.7, 0.2, 0.1, 0.4])
+    found = difference(one, other, 0.9)
+    welch = scipy.stats.ttest_ind(one[~np.isnan(one)], other, equal_var=False)
+    assert found.value == pytest.approx(3 - 0.38) and found.n == 3
+    assert (found.low, found.high) == pytest.approx(tuple(welch.confidence_interval(0.9)))
+    assert np.isnan(difference(one, other[:1])[1:4]).all()
+    assert difference(np.ones(3), np.zeros(3)) == (1, 0, 1, 1, 3)
+
+
+def test_pseudo_values():
+    """Those of a mean are the values; those of a ratio have the error of the delta method."""
+    one = np.random.default_rng(3).normal(2.0, 0.1, 40)
+    other = np.random.default_rng(4).normal(1.0, 0.1, 40)
+    np.testing.assert_allclose(pseudo_values(lambda members: one[members].mean(), 40), one)
+    ratio = mean(pseudo_values(lambda members: one[members].mean() / other[members].mean(), 40))
+    assert ratio.value == pytest.approx(one.mean() / other.mean(), rel=1e-3)
+    linear = one - other * one.mean() / other.mean()
+    assert ratio.error == pytest.approx(mean(linear).error / other.mean(), rel=0.05)
+    np.testing.assert_allclose(pseudo_values(lambda members: one[members].mean(), 1), one[:1])
 
 
 @pytest.mark.filterwarnings("error")

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import expit, logit, stdtr
-from scipy.stats import t as student
+from scipy.special import expit, logit, stdtr, stdtrit
 
-from lammps_skin.arrays import Floats
+from lammps_skin.arrays import Floats, Ints
 
 FEWEST = 5  # values of a series
 FEWEST_BLOCKS = 20
@@ -48,8 +48,45 @@ def mean(values: Floats, confidence: float = 0.95, fraction: bool = False) -> Me
     if n < 2:
         return Mean(float(values.mean()) if n else np.nan, np.nan, np.nan, np.nan, n)
     error = float(values.std(ddof=1)) / np.sqrt(n)
-    half = float(student.ppf((1 + confidence) / 2, n - 1)) * error
+    half = float(stdtrit(n - 1, (1 + confidence) / 2)) * error
     return _around(float(values.mean()), error, half, n, fraction)
+
+
+def difference(one: Floats, other: Floats, confidence: float = 0.95) -> Mean:
+    """Difference of the means of independent values (n,) and (m,), after Welch.
+
+    `n` is the smaller number of defined values; the interval needs two of each.
+    """
+    first, second = mean(one), mean(other)
+    value, n = first.value - second.value, min(first.n, second.n)
+    if n < 2:
+        return Mean(value, np.nan, np.nan, np.nan, n)
+    squares = np.array([first.error, second.error]) ** 2
+    error = float(np.sqrt(squares.sum()))
+    if not error:
+        return Mean(value, 0.0, value, value, n)
+    freedom = squares.sum() ** 2 / (squares**2 / np.array([first.n - 1, second.n - 1])).sum()
+    half = float(stdtrit(freedom, (1 + confidence) / 2)) * error
+    return Mean(value, error, value - half, value + half, n)
+
+
+def pseudo_values(statistic: Callable[[Ints], float], n: int) -> Floats:
+    """Values (n,) whose mean is a statistic of n independent members, after the jackknife.
+
+    Their mean and its interval, as `mean` gives them, are those of the statistic.
+
+    Parameters
+    ----------
+    statistic : callable
+        Value of the members whose indices (m,) it is given; smooth in what they contribute.
+    n : int
+        Number of members.
+    """
+    members = np.arange(n)
+    if n < 2:
+        return np.array([statistic(members)] * n)
+    without = np.array([statistic(np.delete(members, k)) for k in members])
+    return n * statistic(members) - (n - 1) * without
 
 
 def mean_in_time(values: Floats, confidence: float = 0.95, fraction: bool = False) -> Mean:
@@ -84,7 +121,7 @@ def mean_in_time(values: Floats, confidence: float = 0.95, fraction: bool = Fals
         averages = values[n - blocks * length :].reshape(blocks, length).mean(axis=1)
         half = max(half, _half_width(averages, confidence))
         length *= 2
-    error = half / float(student.ppf((1 + confidence) / 2, n - 1))
+    error = half / float(stdtrit(n - 1, (1 + confidence) / 2))
     return _around(middle, error, half, n, fraction)
 
 
@@ -109,7 +146,7 @@ def _half_width(values: Floats, confidence: float) -> float:
         tails = stdtr(n - 1, (-half - shift) / spread) + stdtr(n - 1, (shift - half) / spread)
         return float(weight @ tails) - (1 - confidence)
 
-    most = float(np.abs(shift).max() + student.isf((1 - confidence) / 4, n - 1) * spread.max())
+    most = float(np.abs(shift).max() + stdtrit(n - 1, (3 + confidence) / 4) * spread.max())
     return float(brentq(outside, 0.0, most))
 
 

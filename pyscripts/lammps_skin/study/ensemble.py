@@ -19,6 +19,7 @@ import threading
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import islice
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -44,6 +45,7 @@ from lammps_skin.trajectory.store import Store
 from lammps_skin.versions import versions
 
 REPORTS = 200  # of the time of a run to the bar
+SCENE = "scene: "  # begins the comment of a gathered table that says what was given
 KEY = re.compile(r", key ([0-9a-f]+)$")  # how the first comment of a gathered table ends
 Progress = Callable[[float], None]
 
@@ -310,13 +312,27 @@ def gather(members: Iterable[Member]) -> list[Path]:
             written.append(other)
         comments = [
             f"{name}, seeds {', '.join(map(str, sorted(tables)))}, key {key}",
-            f"scene: {json.dumps(member.scene.given(), sort_keys=True)}",
+            f"{SCENE}{json.dumps(member.scene.given(), sort_keys=True)}",
             f"made by: {', '.join(' '.join(pair) for pair in member.made_by)}",
         ]
         write_table(np.concatenate([tables[seed] for seed in sorted(tables)]), path, comments)
         aside.unlink(missing_ok=True)
         written.append(path)
     return written
+
+
+def scene_of(path: Path) -> dict[str, Any]:
+    """What was given of the scene of a gathered table, as nested keys; nothing if it does not say.
+
+    The seed and the description, in which runs of one ensemble may differ, are left out.
+    """
+    try:
+        with gzip.open(path, "rt", encoding="utf-8") as file:
+            lines = [line[2:] for line in islice(file, 3) if line.startswith(f"# {SCENE}")]
+        given = json.loads(lines[0].removeprefix(SCENE)) if lines else {}
+    except (OSError, EOFError, ValueError):
+        return {}
+    return {key: value for key, value in given.items() if key not in ("seed", "description")}
 
 
 def _key_of(path: Path) -> str | None:
@@ -346,13 +362,12 @@ def window_means(table: Table, column: str, start: float, end: float) -> Floats:
 
     NaN in frames is left out; a seed without a value in the window is NaN.
     """
-    inside = table[(table["time"] >= start) & (table["time"] <= end)]
-    means = []
-    for seed in np.unique(table["seed"]):
-        values = inside[column][inside["seed"] == seed]
-        values = values[~np.isnan(values)]
-        means.append(values.mean() if len(values) else np.nan)
-    return np.array(means, float)
+    seeds, place = np.unique(table["seed"], return_inverse=True)
+    values, times = table[column], table["time"]
+    inside = (times >= start) & (times <= end) & ~np.isnan(values)
+    numbers = np.bincount(place[inside], minlength=len(seeds))
+    sums = np.bincount(place[inside], values[inside], len(seeds))
+    return np.where(numbers > 0, sums / np.maximum(numbers, 1), np.nan)
 
 
 def window_mean(table: Table, column: str, start: float, end: float) -> Mean:

@@ -1,0 +1,1 @@
+"""The claims of the paper, each a test of tables of ensembles."""
