@@ -37,6 +37,10 @@ def test_begin_with_the_state_of_a_run(skin, refused, parent, tmp_path):
     assert skin("build", "two-cells", "--from", "parent", "-o", "last").code == 0
     assert load_built(tmp_path / "last").start.time == 3.0
     assert skin("check", "scenes/fork.toml").code == 0
+    late = ["--set", "interventions=[{name='w', at=2.5, remove='ta'}]"]
+    for words in (["check"], ["run", "-o", "late"]):
+        told = skin(*words, "two-cells", "--from", "parent", "--set", "end_time=4", *late)
+        assert "is not after start.time = 3" in " ".join((told.out + told.err).split()), words
     assert "nearest are at 1 and 2" in refused("check", "scenes/fork.toml", "--at", 1.5)
     assert "--until = 2: must be a time after the start, 2" in refused("run", "file", "--until", 2)
     assert "--until = 1: must be a time after" in refused("run", "scenes/fork.toml", "--until", 1)

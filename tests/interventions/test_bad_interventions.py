@@ -111,9 +111,19 @@ def test_remarks_on_times() -> None:
         remarks(scene.replace(end_time=5.0))
     )
     forked = scene.replace(**{"start.from": "run", "start.time": 5.0})
-    assert "interventions.w.at = 5: is not after start.time = 5, and is not done again" in list(
+    assert "interventions.w.at = 5: is not after start.time = 5, and it is not done again" in list(
         remarks(forked)
     )
+    later = forked.replace(**{"start.time": 6.0})
+    assert (
+        "interventions.s.at = 5.1: is not after start.time = 6, and its values hold from the start"
+        in list(remarks(later))
+    )
+    again = scene_with(f"{REMOVE}every = 0.5\nuntil = 6.0").replace(
+        **{"start.from": "run", "start.time": 5.5}
+    )
+    assert not list(remarks(again))
+    assert "is not after start.time = 6" in next(remarks(again.replace(**{"start.time": 6.0})))
 
 
 def test_keys_are_changed_by_names(tmp_path) -> None:

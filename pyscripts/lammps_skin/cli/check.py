@@ -55,7 +55,7 @@ def check(
         membrane_at_start(described)
         place_cells(described)
     else:
-        Configuration.from_scene(described)
+        described = Configuration.from_scene(described).described(described)
     console.print(one_line(f"{described.name}: {described.description}").rstrip(": "))
     for title, rows in {
         "part": _parts, "kind of cells": _kinds, "intervention": _interventions, "term": _terms,

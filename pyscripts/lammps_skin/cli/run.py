@@ -94,10 +94,15 @@ def _begun(
         keep_results(directory, "--resume goes on with it, --force replaces them")
     if until is not None:
         scene = _shortened(scene, directory, until)
+    configuration = None
+    if scene and scene.start.run is not None:  # its last frame may say when this one begins
+        configuration = Configuration.from_scene(scene)
+        scene = configuration.described(scene)
     for remark in remarks(scene or load_built(directory)):
         console.print(remark)
     with console.status("building"):
-        configuration = Configuration.from_scene(scene) if scene else None
+        if scene and not configuration:
+            configuration = Configuration.from_scene(scene)
         with replaced_results(directory):
             how: dict[str, Any] = {"replace": force, "lock": lock}
             if scene is None:

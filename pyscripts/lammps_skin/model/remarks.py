@@ -45,8 +45,9 @@ def _of_interventions(scene: Scene) -> Iterator[str]:
         said = f"{place(one)}.{'at' if one.at else 'every'} = {one.first:g}"
         if one.first >= scene.end_time:
             yield f"{said}: is not before end_time = {scene.end_time:g}, and does not happen"
-        elif one.first <= scene.begins and not one.every:
-            yield f"{said}: is not after start.time = {scene.begins:g}, and is not done again"
+        elif (one.until or math.inf if one.every else one.first) <= scene.begins:
+            then = "its values hold from the start" if one.set else "it is not done again"
+            yield f"{said}: is not after start.time = {scene.begins:g}, and {then}"
         elif one.set and not fits(one.first, timestep):
             later = math.ceil(one.first / timestep) * timestep
             yield f"{said}: is no whole number of steps of {timestep:g}, and becomes {later:.9g}"
