@@ -24,6 +24,9 @@ KEYS = {
     '[numerics]\nintegrator = "Euler"': ("numerics.integrator = 'Euler': must be ", "euler"),
     'parameters = "papila"': ("parameters = 'papila': must be one of printed, ", "papilla"),
     '[dermis]\npresent = "True"': ("dermis.present = 'True': must be a valid boolean", None),
+    'end_time = "10 min"': ("end_time = '10 min': must be a number, in the reduced units", None),
+    '[dermis]\nstiffness = "12.5 pN"': ("dermis.stiffness = '12.5 pN': must be a number, in", None),
+    'end_time = "long"': ("end_time = 'long': must be a valid number", None),
     "qqqqqqq = 1": ("qqqqqqq = 1: unknown key; ", None),
 }
 

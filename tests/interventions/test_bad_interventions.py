@@ -31,12 +31,12 @@ def scene_with(*tables: str) -> Scene:
 
 FAULTS = {
     # who, when
-    'at = 3.0\nremove = "ta"': "1: needs name",
+    'at = 3.0\nremove = "ta"': "1: needs the key `name`",
     'name = 3\nat = 2\nremove = "ta"': "1.name = 3: must be a valid string",
     'name = "w x"\nat = 1\nremove = "ta"': "name = 'w x': must be up to 32 letters, digits",
     'name = "detached"\nat = 1\nremove = "ta"': "name = 'detached': is the cause of other events",
     f"{REMOVE}{NEXT}{REMOVE}": "name = 'w': is the name of two",
-    'name = "w"\nremove = "ta"': "w: needs at, a time, or every",
+    'name = "w"\nremove = "ta"': "w: needs the key `at`, a time, or `every`",
     'name = "w"\nat = 0\nremove = "ta"': "w.at = 0: must be greater than 0",
     'name = "w"\nat = "x"\nremove = "ta"': "w.at = 'x': must be a valid number",
     f'{REMOVE}{NEXT}name = "x"\nat = 1\nremove = "ta"': (
@@ -50,12 +50,15 @@ FAULTS = {
     f'{REMOVE}add = "ta"\nplaces = [[1, 1]]': "w: has remove and add, must have one of",
     f"{AT}every = 1.0\nset = {{seed = 3}}": "w.every = 1.0: goes with remove or convert or add",
     f"{REMOVE}fracton = 0.5": "w.fracton = 0.5: unknown key; allowed: name, at, .*mean fraction",
+    f"{REMOVE}radius = 3": "w.radius = 3: unknown key; allowed: [^;]*$",  # no key of other tables
+    'name = "w"\ntime = 10\nremove = "ta"': "w.time = 10: unknown .*within; did you mean at\\?$",
+    f"{REMOVE}within = {{disk = [5, 5, 2]}}": "allowed: cylinder, half_space; did .* cylinder\\?$",
     f"{REMOVE}fraction = 0": "w.fraction = 0: must be greater than 0",
     f"{REMOVE}fraction = 1.5": "w.fraction = 1.5: must be less than or equal to 1",
     f'{AT}remove = "tas"': "w.remove = 'tas': must be a kind of cells, one of .*did you mean ta?",
     f"{AT}remove = []": "w.remove = \\[\\]: must be a kind of cells, an array of kinds, or 'all'",
     f'{AT}remove = "nd"': "w.remove = 'nd': there can be no cells of this kind; .* stem, ta, exh",
-    f'{AT}convert = "stem"': "w.convert = \\['stem'\\]: needs to",
+    f'{AT}convert = "stem"': "w.convert = \\['stem'\\]: needs the key `to`, the kind that the",
     f'{AT}convert = "stem"\nto = "stem"': "w.to = 'stem': is what they are",
     f'{REMOVE}to = "stem"': "w.to = 'stem': goes with convert",
     # where
@@ -67,7 +70,7 @@ FAULTS = {
     f"{REMOVE}within = {{cylinder = [99, 2, 3]}}": "w.within.cylinder = .*: must be inside the box",
     f"{REMOVE}within = {{half_space = [0, 0, 0, 1]}}": "half_space = .*: must be .* n not 0",
     f"{REMOVE}within = {{half_space = [1, 0, 0, 12]}}": "no place in the box is in it; .* below 12",
-    ADD: "w.add = 'stem': needs places",
+    ADD: "w.add = 'stem': needs the key `places`, where the new cells are",
     f"{ADD}places = [1, 2]": "w.places = \\[1, 2\\]: must be an array of places",
     f"{ADD}places = [[1, 200]]": "w.places = \\[1.0, 200.0\\]: must be inside the box, 12 x 12.12",
     f"{ADD}places = {[[1.0, 1.0]] * 1001}": "w.places: there are 1,001, must be 1,000 at most",
@@ -140,8 +143,23 @@ def test_keys_are_changed_by_names(tmp_path) -> None:
     assert changed.later_stages[0].dermis.stiffness == 0.06
     assert changed.later_stages[0].cell_table["ta"].range == 2.0
     assert Scene.from_dict(tomllib.loads(to_toml(changed.given()))) == changed
-    with pytest.raises(SceneError, match=r"interventions\.x\.at = 3: x has no keys"):
-        scene.replace(**{"interventions.x.at": 3})
+
+
+@pytest.mark.parametrize(
+    ("names", "key", "said"),
+    [
+        (["disk", "s"], "disc.at", "no intervention has the name disc; there are disk, s; "
+         "did you mean disk?"),
+        (["disk"], "x.at", "no intervention has the name x; there are disk"),
+        ([], "x.at", "no intervention has the name x; there are none"),
+        (["disk"], "disk", "is no key; one is interventions.disk.at"),
+    ],
+)  # fmt: skip
+def test_keys_of_interventions_that_are_not_there(names, key, said) -> None:
+    scene = scene_with(*(REMOVE.replace("w", name) for name in names))
+    with pytest.raises(SceneError) as error:
+        scene.replace(**{f"interventions.{key}": 3})
+    assert str(error.value) == f"interventions.{key} = 3: {said}"
 
 
 def test_kinds_that_are_made_can_occur() -> None:

@@ -278,12 +278,16 @@ def _of_keys(one: Intervention) -> Iterator[str]:
                 f"{' or '.join(others)}"
             )
     if one.at is None and one.every is None:
-        yield f"{place(one)}: needs at, a time, or every"
+        yield f"{place(one)}: needs the key `at`, a time, or `every`"
     if one.until is not None and one.until < one.first:
         yield f"{place(one)}.until = {one.until:g}: must be {one.first:g}, the first time, or later"
-    for key, other in (("convert", "to"), ("add", "places")):
+    for key, other, what in (
+        ("convert", "to", "the kind that the cells become"),
+        ("add", "places", "where the new cells are"),
+    ):
         if getattr(one, key) is not None and getattr(one, other) is None:
-            yield f"{place(one)}.{key} = {shown(_plain(getattr(one, key)))}: needs {other}"
+            given = f"{place(one)}.{key} = {shown(_plain(getattr(one, key)))}"
+            yield f"{given}: needs the key `{other}`, {what}"
     if one.within and not any(one.within.model_dump().values()):
         yield f"{place(one)}.within: must have cylinder or half_space, or both"
 

@@ -36,6 +36,7 @@ from lammps_skin.model.scene_keys import (
     first_line,
     merged,
     near,
+    no_entry,
     shown,
     value_of,
     with_absolute_paths,
@@ -130,13 +131,16 @@ class Scene(Part):
         given = self.given()
         for key, value in changes.items():
             *parts, last = key.split(".")
+            if parts[:1] == ["interventions"]:
+                given.setdefault("interventions", [])
             place: Any = given
             for part in parts:
-                place = entry(place, part)
+                above, place = place, entry(place, part)
                 if not isinstance(place, (dict, list)):
-                    raise SceneError(f"{key} = {shown(value)}: {part} has no keys")
+                    why = no_entry(above, part) or f"{part} has no keys"
+                    raise SceneError(f"{key} = {shown(value)}: {why}")
             if isinstance(place, list):
-                raise SceneError(f"{key} = {shown(value)}: {part} has no keys")
+                raise SceneError(f"{key} = {shown(value)}: is no key; one is {key}.at")
             place[last] = merged({}, value) if isinstance(value, Mapping) else value
         return type(self).from_dict(given)
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from types import UnionType
@@ -44,6 +45,15 @@ def entry(place: Any, part: str) -> Any:
         return place.setdefault(part, {})
     tables = (table for table in place if isinstance(table, dict))
     return next((table for table in tables if table.get("name") == part), None)
+
+
+def no_entry(place: Any, part: str) -> str | None:
+    """What to say if an array of tables has none of that name; None of what is no array."""
+    if not isinstance(place, list):
+        return None
+    names = [str(table["name"]) for table in place if isinstance(table, dict) and "name" in table]
+    there = f"there are {', '.join(names)}" if names else "there are none"
+    return f"no intervention has the name {part}; {there}{near(part, names)}"
 
 
 def to_toml(given: dict[str, Any], prefix: str = "") -> str:
@@ -116,16 +126,19 @@ def first_line(model: type[BaseModel], error: ValidationError, validated: Any = 
     if problem["type"] == "value_error":
         return str(problem["msg"]).removeprefix("Value error, ")
     if problem["type"] == "missing" and isinstance(problem["loc"][-1], str):
-        return f"{dotted(parts[:-1])}: needs {parts[-1]}"
+        return f"{dotted(parts[:-1])}: needs the key `{parts[-1]}`"
     if problem["type"] == "extra_forbidden":
         beside = list(_part(model, parts[:-1]).model_fields)
-        everywhere = {key.rpartition(".")[2]: key for key in _keys(model)}
-        guess = near(parts[-1], beside) or near(parts[-1], everywhere, everywhere)
-        return f"{given}: unknown key; allowed: {', '.join(beside)}{guess}"
+        in_array = any(isinstance(part, int) for part in problem["loc"])
+        return f"{given}: unknown key; allowed: {', '.join(beside)}" + _near_key(
+            parts[-1], beside, () if in_array else _keys(model)
+        )
     what = _EXPECTED.get(problem["type"]) or str(problem["msg"]).replace("Input should", "must")
     guess = ""
     if problem["type"] == "tuple_type" and _is_model(_below(_annotation(model, parts))):
         what = "must be an array of tables of keys"
+    if problem["type"] == "float_type" and _QUANTITY.fullmatch(str(problem["input"])):
+        what = "must be a number, in the reduced units of the model"
     if problem["type"] == "literal_error":
         annotation = _annotation(model, parts)
         inner = [get_args(one) for one in get_args(annotation)]  # of a key without a default
@@ -147,6 +160,14 @@ def _named(loc: Iterable[int | str], validated: Any) -> Iterator[str]:
             yield name if isinstance(name, str) else str(part + 1)
 
 
+def _near_key(word: str, beside: Sequence[str], elsewhere: Iterable[str]) -> str:
+    """As `near`: a key of the same table, else one of others."""
+    names = {key.rpartition(".")[2]: key for key in elsewhere}
+    if (meant := _SYNONYMS.get(word)) in beside:
+        return f"; did you mean {meant}?"
+    return near(word, beside) or near(word, names, names)
+
+
 def near(word: Any, allowed: Iterable[str], names: Mapping[str, str] | None = None) -> str:
     """The end of an error that offers the word that may have been meant; nothing without one.
 
@@ -165,6 +186,14 @@ def dotted(parts: Iterable[str]) -> str:
     """Nested keys with dots between them, in quotes what is empty or has a dot of its own."""
     return ".".join(json.dumps(part) if "." in part or not part else part for part in parts)
 
+
+_SYNONYMS = {
+    "time": "at", "when": "at", "start": "at", "end": "until", "interval": "every",
+    "kill": "remove", "delete": "remove", "kinds": "remove", "region": "within", "where": "within",
+    "positions": "places", "disk": "cylinder", "disc": "cylinder", "circle": "cylinder",
+    "plane": "half_space",
+}  # fmt: skip
+_QUANTITY = re.compile(r"\s*[-+]?\d[\d.eE+-]*\s*[^\W\d].*", re.DOTALL)  # a number and a unit
 
 # in the words of TOML instead of Python's
 _EXPECTED = {
