@@ -78,6 +78,45 @@ def test_a_claim_that_is_not_so(number: int, expected: Word) -> None:
     assert found.weakest.outcome() != "yes"
 
 
+def zeta(_: object, __: object, values: np.ndarray) -> np.ndarray:
+    return 0 * values + 0.5 * ramp(300, 500)
+
+
+# just beyond the range of one part, all others as they should be
+PARTS: dict[tuple[int, str], Case] = {
+    (1, "covered"): {"coverage": lambda _, time, values: np.where(time > 600, 0.88, values)},
+    (1, "near t = 300"): {"coverage": lambda _, time, __: np.minimum(time / 180, 0.99)},
+    (1, "flat while bare"): {"height_std": lambda _, time, __: np.where(time < 200, 0.65, 1.2)},
+    (2, "outward"): {"skewness": constant(-0.1)},
+    (2, "many"): {"papillae": constant(7.5)},
+    (3, "on tips"): {"stem_on_tips": constant(0.47)},
+    (3, "from 0"): {"chi_H": constant(0.3)},
+    (3, "stationary"): {"zeta": lambda *_: 0.5 * ramp(300, 500) + 0.6 * ramp(750, 800)},
+    (4, "later"): {"zeta": lambda *_: 0.5 * ramp(230, 330)},
+    (5, "chi_H alike"): {"chi_H": times(1.8, only=("ring",))},
+    (5, "chi_G alike"): {"chi_G": times(1.8, only=("cluster",))},
+    (5, "zeta alike"): {"zeta": times(1.8, only=("random",))},
+    (6, "falls"): {"sigma": lambda scene, _, values: 0.7 if scene == "cluster" else values},
+    (6, "settled"): {"sigma": lambda scene, time, values: values * np.where(time > 600, 1.6, 1)},
+    (6, "remembers"): {"sigma": times(2.05, only=("ring",))},
+    (7, "on tips"): {"nd_on_tips": constant(0.47)},
+    (7, "as stem cells"): {"chi_G_nd": times(1.6)},
+    (8, "more clustered"): {"sigma_nd": times(0.3, only=("nd-c",))},
+    (8, "most where apart"): {"sigma_nd": times(2.2, only=("nd-a",))},
+    (9, "a little below"): {
+        "zeta_nd": lambda *given: zeta(*given) - 0.6 * ramp(250, 300) + ramp(600, 900)
+    },
+    (9, "late above"): {"zeta_nd": lambda *given: zeta(*given) - 0.1 * ramp(250, 300)},
+}
+
+
+@pytest.mark.parametrize(("number", "part"), PARTS)
+def test_each_part_has_its_range(number: int, part: str) -> None:
+    found = judge(CLAIMS[number - 1], ensembles(PARTS[number, part]))
+    assert {one.part for one in found.findings if one.outcome() != "yes"} == {part}
+    assert found.word != "holds"
+
+
 @pytest.mark.parametrize("claim", TESTED, ids=lambda claim: str(claim.number))
 def test_what_is_missing(claim) -> None:
     all_there = ensembles(seeds=3)
