@@ -118,7 +118,9 @@ def test_remarks_on_what_is_no_basal_layer():
     heap = Ensemble("ring", recfunctions.append_fields(
         plain.table, "none_below", below, usemask=False))  # fmt: skip
     layer = Ensemble("random", heap.table.copy())
-    layer.table["none_below"][layer.table["time"] >= 300] = 0.9
+    layer.table["none_below"] = 0.9
+    bare = (layer.table["time"] >= 400) & (layer.table["time"] < 550)
+    layer.table["none_below"][bare], layer.table["coverage"][bare] = 0.1, 0.5
     first, second = layer_remarks({"ring": heap, "random": layer, "cluster": plain})
     assert first.startswith("ring is not a basal layer: over t = 800-1000 only 0.40 ")
     assert second.endswith("for want of the column none_below: cluster")
