@@ -125,8 +125,9 @@ void SkinAttachment::watch(int i, const SkinNearest::Neighbor &closest)
   if (r < core && at_end) pierced(i, closest, r);
   if (kind.always_pulled()) {
     if (!(r <= reach()) && at_end) lost(i, r);
-  } else if (kind.detaches() && !(stretch(closest) <= kind.detachment - 1.0) && detached_time < 0.0 &&
-             update->whichflag == 1 && !(pairs.stay && cells.state.pair[i])) {
+  } else if (kind.detaches() && !(stretch(closest) <= kind.detachment - 1.0) &&
+             detached_time < 0.0 && update->whichflag == 1 &&
+             !(pairs.stay && cells.state.pair[i])) {
     detached_time = cells.clock.now();
   }
 }

@@ -1,5 +1,5 @@
-// The four kinds of cells of the model in few words: `stem T`, `ta T`, `exhausted T` and `nd T` with
-// values that they share, instead of a row with the keyword `kind` for each.
+// The four kinds of cells of the model in few words: `stem T`, `ta T`, `exhausted T` and `nd T`
+// with values that they share, instead of a row with the keyword `kind` for each.
 
 #ifndef LMP_SKIN_MODEL_KINDS_H
 #define LMP_SKIN_MODEL_KINDS_H

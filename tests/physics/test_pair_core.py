@@ -23,7 +23,7 @@ EACH = " ".join(f"c_each[{n}]" for n in range(1, 7))
 def test_closer_than_the_core(apart: float, ends: bool, ranks: int, tmp_path: Path) -> None:
     """Also across the periodic edge, where 8 - 7.701 is less than 0.3, and with more ranks.
 
-    What another rank than the first has said can be lost when MPI ends it.
+    What ranks have said can be lost when MPI ends them.
     """
     begin = BOX.split("create_atoms")[0]
     script = f"""{begin}
@@ -43,7 +43,7 @@ def test_closer_than_the_core(apart: float, ends: bool, ranks: int, tmp_path: Pa
         r"Pair skin/core: atoms (1 and 2 of types 1 and 2|2 and 1 of types 2 and 1) overlap on "
         r"step 1: their distance is 0\.299\d*, less than 0\.3; the state that this run began with"
     )
-    assert "set up" in output
+    assert "set up" in output or (ranks > 1 and ends)
     assert (process.returncode != 0) == ends
     if ranks == 1 or "ERROR" in output:
         assert bool(re.search(error, output)) == ends, output

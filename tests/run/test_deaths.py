@@ -85,7 +85,15 @@ def test_killed_between_changes_of_files(built: Path, undisturbed: Outcome) -> N
 
 
 def kill_when_there_is(directory: Path, pattern: str) -> None:
-    """In a process: kill it as soon as a file is there, while LAMMPS still writes it."""
+    """In a process: kill it as soon as a file is there, before it has its name."""
+    rename = Path.replace
+
+    def wait_for_the_end(path: Path, target: Path) -> Path:
+        while path.match(pattern):
+            time.sleep(PATIENCE)
+        return rename(path, target)
+
+    Path.replace = wait_for_the_end  # type: ignore[method-assign]
 
     def watch() -> None:
         while not any(directory.glob(pattern)):
