@@ -21,7 +21,6 @@ void SkinCellKinds::add(SkinArguments &arguments)
   arguments.need(1);
   SkinCellKind row;
   row.name = arguments.word();
-  row.number = size() + FIRST_NUMBER;
   read(arguments, row, true);
   if (!row.type) error->all(FLERR, "Fix skin/cells kind {} needs the keyword type", row.name);
   add(row);
@@ -34,6 +33,14 @@ void SkinCellKinds::add(const SkinCellKind &row)
   if (find(row.name))
     error->all(FLERR, "Fix skin/cells kind {}: there are two kinds of this name", row.name);
   rows.push_back(row);
+}
+
+/* ---------------------------------------------------------------------- */
+
+void SkinCellKinds::number_from(int first)
+{
+  for (int kind = 1; kind <= size(); kind++)
+    if (!rows[kind].number) rows[kind].number = first + kind - 1;
 }
 
 /* ----------------------------------------------------------------------

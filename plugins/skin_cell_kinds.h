@@ -21,7 +21,7 @@ struct SkinCellKind {
 
   std::string name;
   int type = 0;                  // atom type
-  int number = 0;                // in the event log
+  int number = 0;                // in the event log, 0 if not given
   Law law = NO_LAW;              // of its attachment to the membrane
   double stiffness = 0.0;        // K of the law
   double range = INFINITY;       // lambda of the law: its force ends at this contact length
@@ -62,6 +62,10 @@ class SkinCellKinds : protected Pointers {
   void add(SkinArguments &);
   void add(const SkinCellKind &);
   void complete();
+
+  // those rows that have no number get theirs by their place
+
+  void number_from(int first);
 
   // read a name and other values of that row, which is returned
 

@@ -70,6 +70,7 @@ void SkinModelKinds::add_to(SkinCellKinds &kinds, Error *error) const
                  "not given", keyword);
 
   int number = SkinCellKinds::FIRST_NUMBER;
+  kinds.number_from(any() ? number + SkinCellKinds::NFIRST : number);
   for (const ModelKind &model : MODEL) {
     SkinCellKind row;
     row.name = model.name;

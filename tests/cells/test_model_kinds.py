@@ -37,6 +37,23 @@ def test_they_do_the_same_as_rows(tmp_path: Path) -> None:
     assert births.count(",birth,") >= 5
 
 
+def test_further_kinds_may_be_given_before_and_after(tmp_path: Path) -> None:
+    """They are number 7 in the log and entry 12 of the vector."""
+    mutant = "kind mutant type mutant law bound 75 cycle 2.0 0.5 2.0 daughter mutant"
+    scene = busy(**{"cells.kinds.mutant.like": "stem", "cells.kinds.mutant.count": 1})
+    runs = []
+    for name, kinds in (("before", f"{mutant} {words()}"), ("after", f"{words()} {mutant}")):
+        fix = fix_line(scene).replace(kind_rows(), kinds)
+        lines = ["unfix cells", "unfix skin_cells_record", f"fix cells cells {fix} log events.csv"]
+        count = 'print "OUT $(f_cells[12])"'
+        (tmp_path / name).mkdir()
+        ((mutants,),) = told(run_script(tmp_path / name, *lines, "run 32", count, scene=scene))
+        births = (tmp_path / name / "events.csv").read_text()
+        assert sum(row.split(",")[4] == "7" for row in births.splitlines()) >= mutants - 1 >= 1
+        runs.append(births)
+    assert runs[0] == runs[1]
+
+
 @pytest.mark.parametrize(
     ("kinds", "said"),
     [
