@@ -122,6 +122,10 @@ def test_remarks_on_times() -> None:
         "interventions.s.at = 5.1: is not after start.time = 6, and its values hold from the start"
         in list(remarks(later))
     )
+    idle = scene.replace(**{"dermis.present": False, "interventions.s.at": 6.0})
+    assert list(remarks(idle)) == [
+        "interventions.s.set: changes nothing, for the scene has nothing that it concerns"
+    ]
     again = scene_with(f"{REMOVE}every = 0.5\nuntil = 6.0").replace(
         **{"start.from": "run", "start.time": 5.5}
     )

@@ -113,6 +113,8 @@ def test_a_faster_cycle_has_a_shorter_timestep() -> None:
     ]})  # fmt: skip
     assert fast.numerics.timestep < slow.numerics.timestep
     assert fast.numerics == fast.later_stages[0].numerics
+    rates = {"cells.cycle_delay": 0, "cells.cycle_rate": 2.0}
+    assert slow.replace(**rates).numerics.timestep < fast.numerics.timestep
 
 
 def test_generations_that_are_endless_until_then(scene: Scene, tmp_path: Path) -> None:

@@ -182,7 +182,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "height": ({"box_height": 90.0}, "box_height = 90.0: must be 100.0, that of the run"),
     "R_c": ({"cells.radius": 1.3}, "cells.radius = 1.3: must be 1.4, that of the run"),
     "R_d": ({"dermis.radius": 1.3}, "dermis.radius = 1.3: must be 1.4, that of the run"),
-    "kinds": ({"cells.nd": 0}, "kinds: the scene has no particles of kind nd"),
+    "kinds": ({"cells.nd": 0}, "kind nd, which the state has; give it some with cells.nd"),
     "dermis": ({"dermis.present": False}, "the scene has no particles of kind dermal"),
     "content": ({"start.content": "0" * 16}, "start.content = '0000000000000000': the state of"),
 }
@@ -208,7 +208,7 @@ def test_kinds_are_those_of_their_labels(scene: Scene, parent: Path) -> None:
     kinds = np.array([1, 2, 3, 7, 8, 8])
     found = origin.numbered_in(with_kinds("two", "one"), kinds)
     assert found.tolist() == [1, 2, 3, 8, 7, 7]
-    with pytest.raises(SkinError, match="the scene has no particles of kind two"):
+    with pytest.raises(SkinError, match=r"give it some with cells\.kinds\.two\.count"):
         origin.numbered_in(with_kinds("one"), kinds)
 
 

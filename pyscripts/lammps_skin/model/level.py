@@ -34,11 +34,11 @@ def of_level(given: Mapping[str, Any]) -> dict[str, Any]:
 def _cycle(given: Mapping[str, Any]) -> float:
     """Duration of the fastest cycle, as far as it can be read."""
     cells, usual = _table(given, "cells"), Cells()
-    delay = _number(cells, "cycle_delay", usual.cycle_delay)
+    delay = _number(cells, "cycle_delay", usual.cycle_delay, zero=True)
     rate = _number(cells, "cycle_rate", usual.cycle_rate)
     kinds = _table(cells, "kinds")
     return min(
-        _number(kind, "cycle_delay", delay) + 1 / _number(kind, "cycle_rate", rate)
+        _number(kind, "cycle_delay", delay, zero=True) + 1 / _number(kind, "cycle_rate", rate)
         for kind in ({}, *(_table(kinds, label) for label in kinds))
     )
 
@@ -48,7 +48,8 @@ def _table(keys: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     return value if isinstance(value, Mapping) else {}
 
 
-def _number(keys: Mapping[str, Any], key: str, default: float) -> float:
+def _number(keys: Mapping[str, Any], key: str, default: float, zero: bool = False) -> float:
     value = keys.get(key, default)
-    usable = isinstance(value, (int, float)) and 0 < value <= sys.float_info.max
+    usable = isinstance(value, (int, float)) and 0 <= value <= sys.float_info.max
+    usable = usable and (zero or value > 0)
     return float(value) if usable else default

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from lammps_skin.model.accuracy import fits, longest_timestep
+from lammps_skin.model.changes import changes
 from lammps_skin.model.interventions import place
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.stiffness import warning
@@ -13,7 +14,7 @@ from lammps_skin.model.stiffness import warning
 
 def remarks(scene: Scene) -> Iterator[str]:
     """Lines: a timestep that is shorter for an interval, times that are no whole number of steps,
-    a timestep that cannot be stable, and interventions that do not happen."""
+    a timestep that cannot be stable, and interventions that do not happen or change nothing."""
     numerics = scene.numerics
     timestep = numerics.timestep
     cycle = min(stage.shortest_cycle for stage in scene.stages)
@@ -39,10 +40,13 @@ def remarks(scene: Scene) -> Iterator[str]:
 
 
 def _of_interventions(scene: Scene) -> Iterator[str]:
-    """Those that do not happen, and those of keys that are set a little later."""
+    """Those that do not happen or change nothing, and those of keys that are set a little later."""
     timestep = scene.numerics.timestep
+    idle = {change.name for change in changes(scene) if not change.commands}
     for one in scene.interventions:
         said = f"{place(one)}.{'at' if one.at else 'every'} = {one.first:g}"
+        if one.name in idle:
+            yield f"{place(one)}.set: changes nothing, for the scene has nothing that it concerns"
         if one.first >= scene.end_time:
             yield f"{said}: is not before end_time = {scene.end_time:g}, and does not happen"
         elif (one.until or math.inf if one.every else one.first) <= scene.begins:

@@ -62,7 +62,12 @@ class Origin:
         for number in np.unique(kinds):
             label = self.scene.kind(int(number)).label
             if label not in numbers:
-                raise ConfigurationError(f"kinds: the scene has no particles of kind {label}")
+                own = {"stem": "cells.stem", "nd": "cells.nd", "dermal": "dermis.present"}
+                key = own.get(label, f"cells.kinds.{label}.count")
+                raise ConfigurationError(
+                    f"kinds: the scene has no particles of kind {label}, which the state has; give "
+                    f"it some with {key}"
+                )
             found[kinds == number] = numbers[label]
         return found
 
