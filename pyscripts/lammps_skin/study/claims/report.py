@@ -13,7 +13,7 @@ from lammps_skin.analysis.observables import is_fraction
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.errors import SkinError
 from lammps_skin.files import atomic_write
-from lammps_skin.study.claims.catalogue import judge_all
+from lammps_skin.study.claims.catalogue import ND, judge_all
 from lammps_skin.study.claims.rules import CONFIDENCE, FEWEST_SEEDS, Finding, Verdict
 from lammps_skin.study.claims.tables import Ensemble, layer_remarks, load, settings
 from lammps_skin.study.tradeoff.report import Text, csv_text, markdown_table
@@ -25,8 +25,9 @@ HEAD = f"""\
 # Ensembles
 
 `skin claims FOLDER -o FILE.md` makes this page from the tables of `skin ensemble` in FOLDER, here
-`{{folder}}`. Values are means over seeds of the mean over a window of time, with {CONFIDENCE:.0%}
-intervals over seeds; one seed has no interval. Columns are those of the table of observables.
+`{{folder}}`. Values are means over seeds of the mean over a window of time, with intervals over
+seeds at {100 * CONFIDENCE:g} %; one seed has no interval. Columns are those of the table of
+observables; "on tips" is the fraction of the cells that are on tips less that of TA cells.
 
 * holds: every interval lies in the range that is claimed.
 * partly: some do, and more than by chance.
@@ -108,22 +109,35 @@ def findings_table(findings: Iterable[Finding]) -> Text:
 
 
 def levels_table(report: Report) -> Text:
-    """Means over the late window: stem cells and the membrane, then ND cells."""
+    """Means over the late window: of stem cells and the membrane, of ND cells, their differences.
+
+    On tips: fraction of the cells less that of TA cells.
+    """
     windows = {one.late for one in report.ensembles.values()}
-    heads = [f"t = {', '.join(sorted(map(str, windows)))}", *LEVELS, *FOLDS]
+    heads = [f"t = {', '.join(sorted(map(str, windows)))}", *LEVELS, "on tips", *FOLDS]
     rows = [
-        [f"{name}, stem cells", *(_level(one, column) for column in (*LEVELS, *FOLDS))]
+        [f"{name}, stem cells", *_levels(one, "", "stem"), *(_level(one, fold) for fold in FOLDS)]
         for name, one in report.ensembles.items()
-    ] + [
-        [f"{name}, ND cells", *(_level(one, f"{column}_nd") for column in LEVELS), *[""] * 4]
-        for name, one in report.ensembles.items()
-        if name.startswith("nd")
     ]
+    blank = [""] * len(FOLDS)
+    for name, one in report.ensembles.items():
+        if name in ND:
+            rows.append([f"{name}, ND cells", *_levels(one, "_nd", "nd"), *blank])
+            apart = (_level(one, f"{column}_nd", column) for column in LEVELS)
+            tips = _level(one, "nd_on_tips", "stem_on_tips")
+            rows.append([f"{name}, ND less stem cells", *apart, tips, *blank])
     return heads, rows
 
 
-def _level(one: Ensemble, column: str) -> str:
-    return _interval(mean(one.mean(column, one.late), fraction=is_fraction(column)))
+def _levels(one: Ensemble, suffix: str, kind: str) -> Iterator[str]:
+    yield from (_level(one, f"{column}{suffix}") for column in LEVELS)
+    yield _level(one, f"{kind}_on_tips", f"{kind}_tips_expected")
+
+
+def _level(one: Ensemble, column: str, other: str = "") -> str:
+    """Late mean of a column, or less that of another one, with its interval over seeds."""
+    values = one.mean(column, one.late) - (one.mean(other, one.late) if other else 0.0)
+    return _interval(mean(values, fraction=is_fraction(column) and not other))
 
 
 def _interval(value: Mean) -> str:
