@@ -224,7 +224,10 @@ def test_command_line(arguments, refused, tmp_path):
 def test_results_are_not_overwritten(name, refused, tmp_path):
     (tmp_path / "x").mkdir()
     (tmp_path / "x" / name).write_text("precious")
-    text = "directory x: holds results of a run; --resume goes on with it, --force replaces them"
+    text = (
+        "directory x: holds results of a run; skin run x --resume --until 1 goes on with it, "
+        "--force replaces them"
+    )
     assert refused(*SMALL, "--until", "1") == text
     assert (tmp_path / "x" / name).read_text() == "precious"
 

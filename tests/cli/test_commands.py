@@ -214,15 +214,18 @@ def test_what_cannot_be_resumed(skin, tmp_path):
     for arguments, said in (
         (("x",), "directory x: has reached t = 0.3; --until takes it further"),
         (("x", "--until", "0.1"), "directory x: has reached t = 0.3; --until takes it further"),
-        (("x", "--force"), "--resume: goes on with the run in a directory, as it is"),
-        (("bare-membrane",), "--resume: goes on with the run in a directory, as it is"),
+        (("x", "--force"), "as it is; give that alone: skin run x --resume"),
+        (
+            ("bare-membrane", "--until", "9"),
+            "as it is; give that alone: skin run runs/bare-membrane --resume --until 9",
+        ),
         (("x", "--set", "cells.seed=3"), "--set: a built directory is run as it is"),
     ):
         answer = skin("run", *arguments, "--resume")
         assert answer.code == 2
         assert said in answer.err and len(answer.err.splitlines()) == 1
     answer = skin("run", "x")
-    assert "directory x: holds results of a run; --resume goes on with it" in answer.err
+    assert "directory x: holds results of a run; skin run x --resume goes on" in answer.err
 
 
 def test_inputs_of_results_are_not_replaced(skin, tmp_path):

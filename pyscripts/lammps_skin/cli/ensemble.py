@@ -73,10 +73,12 @@ def ensemble(
         console.print("interrupted; the same command goes on with what is missing")
         raise typer.Exit(INTERRUPTED) from None
     finally:
+        plain = {member.gathered for member in members}
         for path in ensembles.gather(members):
             table = read_table(path)
             runs_of = [table[table["seed"] == seed] for seed in np.unique(table["seed"])]
-            console.print(f"{path}: {len(runs_of)} seeds")
+            why = "" if path in plain else "; the name without the key is that of another table"
+            console.print(f"{path}: {len(runs_of)} seeds{why}")
             if heaps := [line for run in runs_of if (line := last_remark(run))]:
                 console.print(f"{path}: {len(heaps)} of them, the first: {heaps[0]}")
     for label, text in failures.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 import time
 from pathlib import Path
 from typing import Annotated, Any
@@ -74,7 +75,10 @@ def run(
     )
     check_run(directory, ranks, threads)
     if resume and (scene or force):
-        raise SceneError("--resume: goes on with the run in a directory, as it is; give that")
+        raise SceneError(
+            "--resume: goes on with the run in a directory, as it is; give that alone: "
+            f"{_go_on(directory, until)}"
+        )
     if timestep is not None and not resume:
         raise SceneError("--timestep: goes with --resume; else give --set numerics.timestep=...")
     with DirectoryLock(directory, make=scene is not None) as lock:
@@ -91,7 +95,8 @@ def _begun(
 ) -> Simulation:  # fmt: skip
     """The simulation of a scene, from its initial state."""
     if not force:
-        keep_results(directory, "--resume goes on with it, --force replaces them")
+        go_on = _go_on(directory, until)
+        keep_results(directory, f"{go_on} goes on with it, --force replaces them")
     if until is not None:
         scene = _shortened(scene, directory, until)
     configuration = None
@@ -191,6 +196,12 @@ def _what_and_where(
     return None, Path(source)
 
 
+def _go_on(directory: Path, until: float | None = None) -> str:
+    """The command that goes on with the run in a directory."""
+    further = "" if until is None else f" --until {until:g}"
+    return f"skin run {shlex.quote(str(directory))} --resume{further}"
+
+
 def _name_files(directory: Path, ended: bool) -> None:
     """Print what a run has left, and how to go on with one that has not ended."""
     console.print(f"in {directory}:")
@@ -198,5 +209,5 @@ def _name_files(directory: Path, ended: bool) -> None:
         if (directory / name).exists():
             console.print(f"  {name:<16} {content}")
     if restart_files(directory):
-        go_on = "" if ended else f"; go on: skin run {directory} --resume"
+        go_on = "" if ended else f"; go on: {_go_on(directory)}"
         console.print(f"  {RESTARTS:<16} checkpoints{go_on}")

@@ -139,8 +139,8 @@ class Request:
         parts += [with_seed(read_table(m.table), m.seed) for m in self._wanted(scene)]
         if len({part.dtype.names for part in parts}) > 1:
             raise FigureError(
-                f"tables of {scene.name} in {self.folder}: have different columns; gather them "
-                "again with skin ensemble"
+                f"tables of {scene.name} in {self.folder}: have different columns; move "
+                f"{scene.name}.csv.gz away and gather them again with skin ensemble"
             )
         together: Table = np.concatenate(parts)
         if self.seeds is None:

@@ -3,8 +3,8 @@
 In a folder of an ensemble, ``runs/NAME-SEED-KEY.csv`` is the table of one run, and
 ``NAME.csv.gz`` has those of all seeds of a scene below each other, with a column for the seed.
 The key is a hash of all that the scene says and of the versions of LAMMPS, of the package, of the
-plugin and of the observables: a run whose table is there is not run again. A gathered table of
-another key gets the name ``NAME-KEY.csv.gz``.
+plugin and of the observables: a run whose table is there is not run again. Where ``NAME.csv.gz``
+is there with another key, it stays, and the gathered table is ``NAME-KEY.csv.gz``.
 """
 
 from __future__ import annotations
@@ -33,7 +33,6 @@ from lammps_skin.analysis.observables import Table, is_fraction, open_run, read_
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError, SkinError
-from lammps_skin.files import free_name
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.run.results import holds_results
@@ -281,22 +280,22 @@ def gather(members: Iterable[Member]) -> list[Path]:
     """Gather the tables of each scene, of these and of all other seeds that are there.
 
     Seeds that the gathered table has already, and that have no table of their own any more, stay
-    in it. A gathered table of another key is not changed but for its name. The same tables give
-    the same bytes. Scenes without a table are left out.
+    in it. A gathered table of another key is left as it is, and this one has its key in its name.
+    The same tables give the same bytes. Scenes without a table are left out.
 
     Returns
     -------
     list of Path
-        Tables that were written or have another name.
+        Tables that were written.
     """
     written = []
     for member in {(member.gathered, member.key): member for member in members}.values():
-        name, key, path = member.scene.name, member.key, member.gathered
-        aside = path.with_name(f"{name}-{key}.csv.gz")
+        name, key, plain = member.scene.name, member.key, member.gathered
+        keyed = plain.with_name(f"{name}-{key}.csv.gz")
+        ours = [path for path in (keyed, plain) if _key_of(path) == key]
         tables: dict[int, Table] = {}
-        for earlier in (aside, path):
-            if _key_of(earlier) == key:
-                tables |= _by_seed(read_table(earlier))
+        for earlier in ours:
+            tables |= _by_seed(read_table(earlier))
         tables |= {
             int(file.name.split("-")[-2]): with_seed(
                 read_table(file), int(file.name.split("-")[-2])
@@ -306,17 +305,15 @@ def gather(members: Iterable[Member]) -> list[Path]:
         }
         if not tables:
             continue
-        if os.path.lexists(path) and _key_of(path) != key:
-            other = free_name(path.with_name(f"{name}-{_key_of(path) or 'other'}.csv.gz"))
-            path.rename(other)
-            written.append(other)
+        path = keyed if os.path.lexists(plain) and plain not in ours else plain
         comments = [
             f"{name}, seeds {', '.join(map(str, sorted(tables)))}, key {key}",
             f"{SCENE}{json.dumps(member.scene.given(), sort_keys=True)}",
             f"made by: {', '.join(' '.join(pair) for pair in member.made_by)}",
         ]
         write_table(np.concatenate([tables[seed] for seed in sorted(tables)]), path, comments)
-        aside.unlink(missing_ok=True)
+        if keyed in ours and path != keyed:
+            keyed.unlink()
         written.append(path)
     return written
 

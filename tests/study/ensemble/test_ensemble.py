@@ -222,20 +222,25 @@ def test_a_gathered_table_gets_more_seeds(scene, tmp_path):
 
 
 def test_a_gathered_table_of_another_key_is_kept(scene, tmp_path):
-    """The table of the last command has the name; none is lost, however they take turns."""
+    """The first one has the name, however they take turns: who reads it gets no other scene."""
     other = scene.replace(end_time=2.0)
+    plain = tmp_path / "tiny.csv.gz"
+    keyed = tmp_path / f"tiny-{Member(other, tmp_path).key}.csv.gz"
     for turn in range(2):
-        for one, seeds in ((scene, [1, 2]), (other, [5 + turn])):
+        for one, seeds, path in ((scene, [1, 2], plain), (other, [5 + turn], keyed)):
             named = gather([with_table(member) for member in members([one], seeds, tmp_path)])
-            assert named[-1] == tmp_path / "tiny.csv.gz"
-    kept = tmp_path / f"tiny-{Member(scene, tmp_path).key}.csv.gz"
-    assert named[0] == kept
-    assert np.unique(read_table(kept)["seed"]).tolist() == [1, 2]
-    assert np.unique(read_table(named[-1])["seed"]).tolist() == [5, 6]
-    assert {path.name for path in tmp_path.glob("*.gz")} == {"tiny.csv.gz", kept.name}
-    (tmp_path / "tiny.csv.gz").write_bytes(b"notes")
-    gather(members([scene], [1], tmp_path))
-    assert (tmp_path / "tiny-other.csv.gz").read_bytes() == b"notes"
+            assert named == [path]
+    assert np.unique(read_table(plain)["seed"]).tolist() == [1, 2]
+    assert np.unique(read_table(keyed)["seed"]).tolist() == [5, 6]
+    assert set(tmp_path.glob("*.gz")) == {plain, keyed}
+    plain.write_bytes(b"notes")
+    ours = tmp_path / f"tiny-{Member(scene, tmp_path).key}.csv.gz"
+    assert gather(members([scene], [1], tmp_path)) == [ours]
+    assert plain.read_bytes() == b"notes"
+    plain.unlink()
+    assert gather(members([other], [7], tmp_path)) == [plain]
+    assert np.unique(read_table(plain)["seed"]).tolist() == [5, 6]
+    assert set(tmp_path.glob("*.gz")) == {plain, ours}
 
 
 def test_a_run_that_cannot_be_resumed_is_kept(scene, tmp_path):
