@@ -117,6 +117,9 @@ def test_remarks_on_times() -> None:
     assert "interventions.w.at = 5: is not after start.time = 5, and it is not done again" in list(
         remarks(forked)
     )
+    assert list(remarks(forked.replace(**{"interventions.w.at": 4.75, "start.time": 4.75}))) == [
+        "interventions.s.at = 5.1: is no whole number of steps of 0.25, and becomes 5.25"
+    ]  # the wound is made on the event step at t = 5
     later = forked.replace(**{"start.time": 6.0})
     assert (
         "interventions.s.at = 5.1: is not after start.time = 6, and its values hold from the start"

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field
 from pydantic_core import PydanticCustomError
 
 from lammps_skin.model.cell_kinds import CellKind
-from lammps_skin.model.parts import LARGEST, Part, Positive
+from lammps_skin.model.parts import LARGEST, Numerics, Part, Positive
 from lammps_skin.model.scene_keys import merged, near, shown
 
 ACTIONS = ("remove", "convert", "add", "set")
@@ -189,6 +189,12 @@ def stated(given: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
         if isinstance(entry, Mapping) and isinstance(entry.get("set"), Mapping):
             given = merged(given, nested(dict(_flat(entry["set"]))))
             yield given
+
+
+def last_event_step(numerics: Numerics, time: float) -> float:
+    """Time of the last step, up to a time, on which cells can be removed, converted and added."""
+    every = max(math.ceil(numerics.event_interval / numerics.timestep - 1e-6), 1)
+    return time - round(time / numerics.timestep) % every * numerics.timestep
 
 
 # ---- what the single keys cannot know

@@ -114,11 +114,6 @@ def binding(x: ArrayLike) -> Floats:
     return np.maximum(np.asarray(x, float) - 1, 0.0) ** 2 / 2
 
 
-def binding_slope(x: ArrayLike) -> Floats:
-    """Derivative of `binding`."""
-    return np.maximum(np.asarray(x, float) - 1, 0.0)
-
-
 def bending(cosine: ArrayLike, form: str = "cosine") -> Floats:
     """Bending of a link from the cosine c = N1.N2 of its triangles' normals: (1 - c)^2 / 2.
 

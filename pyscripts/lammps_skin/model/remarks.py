@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from lammps_skin.model.accuracy import fits, longest_timestep
 from lammps_skin.model.changes import changes
-from lammps_skin.model.interventions import place
+from lammps_skin.model.interventions import last_event_step, place
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.stiffness import warning
 
@@ -42,6 +42,7 @@ def remarks(scene: Scene) -> Iterator[str]:
 def _of_interventions(scene: Scene) -> Iterator[str]:
     """Those that do not happen or change nothing, and those of keys that are set a little later."""
     timestep = scene.numerics.timestep
+    handled = last_event_step(scene.numerics, scene.begins)
     idle = {change.name for change in changes(scene) if not change.commands}
     for one in scene.interventions:
         said = f"{place(one)}.{'at' if one.at else 'every'} = {one.first:g}"
@@ -49,7 +50,9 @@ def _of_interventions(scene: Scene) -> Iterator[str]:
             yield f"{place(one)}.set: changes nothing, for the scene has nothing that it concerns"
         if one.first >= scene.end_time:
             yield f"{said}: is not before end_time = {scene.end_time:g}, and does not happen"
-        elif (one.until or math.inf if one.every else one.first) <= scene.begins:
+        elif (one.until or math.inf if one.every else one.first) <= (
+            scene.begins if one.set else handled
+        ):
             then = "its values hold from the start" if one.set else "it is not done again"
             yield f"{said}: is not after start.time = {scene.begins:g}, and {then}"
         elif one.set and not fits(one.first, timestep):

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 
 from lammps_skin.model.changes import Change
-from lammps_skin.model.interventions import Intervention
+from lammps_skin.model.interventions import Intervention, last_event_step
 from lammps_skin.model.scene import Scene
 
 
@@ -21,10 +20,7 @@ def arguments(scene: Scene, time: float) -> Iterator[str]:
         done in the run that the state is of.
     """
     if scene.interventions and time:
-        numerics = scene.numerics
-        every = max(math.ceil(numerics.event_interval / numerics.timestep - 1e-6), 1)
-        beyond = round(time / numerics.timestep) % every
-        yield f"intervened {time - beyond * numerics.timestep!r}"
+        yield f"intervened {last_event_step(scene.numerics, time)!r}"
     for one in scene.interventions:
         yield " ".join(["intervene", one.name, *_times(one), *_action(one)])
 
