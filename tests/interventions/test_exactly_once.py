@@ -120,6 +120,18 @@ def test_a_fork_does_not_do_again_what_was_done(
     assert all(same(*pair) for pair in zip(Store(tmp_path / "skin.h5"), later, strict=True))
 
 
+def test_a_fork_with_other_event_steps_does_not_do_it_again_either(
+    scene: Scene, whole: Path, tmp_path: Path
+) -> None:
+    """By its own event steps it has come to t = 12.5; the graft was made at t = 14."""
+    changes = {"numerics.event_interval": 2.5, "end_time": 18.0}
+    start = {"start.from": str(whole), "start.time": 14.0}
+    with Simulation.begin(scene.replace(**changes, **start), tmp_path) as fork:
+        fork.run()
+    causes = [row.split(",")[-1] for row in log(tmp_path).splitlines()]
+    assert "stiffer" in causes and not {"wound", "graft"} & {*causes}
+
+
 def test_a_membrane_without_cells_is_sown(tmp_path: Path) -> None:
     scene = Scene.from_dict({
         "name": "sown", "end_time": 4.0, "dermis": {"present": False},

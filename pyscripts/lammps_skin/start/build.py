@@ -188,7 +188,7 @@ def _cell_variables(terms: Terms, configuration: Configuration, string: Any) -> 
     yield string("pairs_stay", "no" if cells.removal_in_pair else "yes")
     yield string("apart", cells.division_distance * 2 * cells.radius)
     yield string("next_id", configuration.next_id)
-    yield string("interventions", " &\n                ".join(arguments(scene, configuration.time)))
+    yield string("interventions", " &\n                ".join(arguments(scene, configuration)))
 
 
 def _places_of_counts(kinds: list[Kind]) -> Iterator[str]:

@@ -7,20 +7,22 @@ from collections.abc import Iterator, Sequence
 from lammps_skin.model.changes import Change
 from lammps_skin.model.interventions import Intervention, last_event_step
 from lammps_skin.model.scene import Scene
+from lammps_skin.start.configuration import Configuration
 
 
-def arguments(scene: Scene, time: float) -> Iterator[str]:
+def arguments(scene: Scene, configuration: Configuration) -> Iterator[str]:
     """Arguments of fix skin/cells, one line for each intervention.
 
     Parameters
     ----------
     scene : Scene
-    time : float
-        That of the state with which the run begins. What was due on event steps up to it has been
-        done in the run that the state is of.
+    configuration : Configuration
+        State with which the run begins. What was due on event steps up to its time has been done
+        in the run that it is of, whose event steps may be others than those of the scene.
     """
-    if scene.interventions and time:
-        yield f"intervened {last_event_step(scene.numerics, time)!r}"
+    if scene.interventions and configuration.time:
+        run = configuration.origin.scene if configuration.origin else scene
+        yield f"intervened {last_event_step(run.numerics, configuration.time)!r}"
     for one in scene.interventions:
         yield " ".join(["intervene", one.name, *_times(one), *_action(one)])
 
