@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy.stats
-from lammps_skin.analysis.statistics import difference, mean, mean_in_time, pseudo_values
+from lammps_skin.analysis.statistics import difference, mean, mean_in_time, pseudo_values, trend
 
 
 def test_mean_by_hand():
@@ -106,3 +106,30 @@ def test_intervals_of_fractions_are_fractions(of, values):
 @pytest.mark.parametrize("value", [0.0, 1.0])
 def test_a_fraction_that_does_not_change(of, value):
     assert of(np.full(6, value), fraction=True) == (value, 0, value, value, 6)
+
+
+@pytest.mark.parametrize("of", [mean, mean_in_time])
+def test_intervals_of_what_cannot_be_negative(of):
+    values = np.array([0.0, 0, 1, 0, 9, 18, 20])
+    found, free = of(values, least=0.0), of(values)
+    assert found.low == 0 > free.low
+    assert (found.value, found.error, found.high) == (free.value, free.error, free.high)
+
+
+@pytest.mark.filterwarnings("error")
+def test_trends_by_sight():
+    draws, line = np.random.default_rng(3).normal(size=20), np.arange(20.0)
+    assert trend(line + draws) == trend(line) == trend(np.exp(line / 4)) == "rises"
+    assert trend(-line + draws) == trend(5 * np.exp(-line / 5) + 0.1 * draws) == "falls"
+    assert (
+        trend(draws) == trend(np.full(20, 3.0)) == trend(line[:4]) == trend(np.array([])) == "none"
+    )
+    assert trend(np.where(line % 3 == 0, np.nan, line + draws)) == "rises"
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5, 0.8])
+@pytest.mark.parametrize("n", [7, 20, 60])
+def test_stationary_series_seldom_have_a_trend(n, memory):
+    drawn = series(np.random.default_rng(n), 400, n, memory)
+    wrong = np.mean([trend(values) != "none" for values in drawn])
+    assert wrong < 0.01 + 3 * np.sqrt(0.01 / 400), wrong

@@ -38,7 +38,7 @@ def test_what_is_told(skin, tmp_path):
     ran = skin("run", "sown.toml", "-o", "sown")
     assert ran.code == 0
     told = ran.out + ran.err
-    assert "1 ND; 0 births, 1 removals" in told
+    assert "1 ND; 0 births, 1 removal\n" in told
     for line in ("seeds: 2 added", "softening: changed", "thinning: 1 removed"):
         assert line in told
     stats = " ".join(skin("stats", "sown").out.split())

@@ -41,6 +41,7 @@ RELIEF = (
     "papillae", "papilla_height", "papilla_width", "papilla_spacing", "papilla_width_cells",
 )  # fmt: skip
 FRACTIONS = ("coverage", "none_below", "particles_holding")
+SIGNED = ("skewness", "chi_", "zeta")  # how columns begin whose values may be negative
 
 
 def columns(cells: Sequence[Kind]) -> tuple[str, ...]:
@@ -66,6 +67,12 @@ COLUMNS = columns([kind for kind in KINDS if is_cell(kind)])
 def is_fraction(column: str) -> bool:
     """Whether the values of a column are from 0 to 1."""
     return column in FRACTIONS or column.endswith(("_on_tips", "_tips_expected"))
+
+
+def least(column: str) -> float:
+    """What the values of a column cannot be below."""
+    signed = column.startswith(SIGNED) or column.endswith("_tips_z")
+    return -np.inf if signed else 0.0
 
 
 class Observables(StateAnalysis):

@@ -1,4 +1,4 @@
-"""Means with confidence intervals: of independent values, and of a correlated time series."""
+"""Means with confidence intervals, of independent values and of correlated series, and trends."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from lammps_skin.arrays import Floats, Ints
 
 FEWEST = 5  # values of a series
 FEWEST_BLOCKS = 20
+TREND_LEVEL = 0.01  # probability above which a trend may be chance
 MEMORIES = np.linspace(0.0, 0.99, 100)  # correlations of successive values
 
 
@@ -37,10 +38,13 @@ class Mean(NamedTuple):
     n: int
 
 
-def mean(values: Floats, confidence: float = 0.95, fraction: bool = False) -> Mean:
+def mean(
+    values: Floats, confidence: float = 0.95, fraction: bool = False, least: float = -np.inf
+) -> Mean:
     """Mean of independent values (n,), such as those of several seeds, after Student's t.
 
     With `fraction` the values are fractions, and the interval is within [0, 1]: that of the logit.
+    None of the values can be below `least`, and the interval does not reach further.
     """
     values = np.asarray(values, float)
     values = values[~np.isnan(values)]
@@ -49,7 +53,7 @@ def mean(values: Floats, confidence: float = 0.95, fraction: bool = False) -> Me
         return Mean(float(values.mean()) if n else np.nan, np.nan, np.nan, np.nan, n)
     error = float(values.std(ddof=1)) / np.sqrt(n)
     half = float(stdtrit(n - 1, (1 + confidence) / 2)) * error
-    return _around(float(values.mean()), error, half, n, fraction)
+    return _around(float(values.mean()), error, half, n, fraction, least)
 
 
 def difference(one: Floats, other: Floats, confidence: float = 0.95) -> Mean:
@@ -89,7 +93,9 @@ def pseudo_values(statistic: Callable[[Ints], float], n: int) -> Floats:
     return n * statistic(members) - (n - 1) * without
 
 
-def mean_in_time(values: Floats, confidence: float = 0.95, fraction: bool = False) -> Mean:
+def mean_in_time(
+    values: Floats, confidence: float = 0.95, fraction: bool = False, least: float = -np.inf
+) -> Mean:
     """Mean of a stationary series (n,), evenly spaced in time, whose values are correlated.
 
     The series is taken for a first-order autoregression. What is not known, its correlation and
@@ -106,6 +112,8 @@ def mean_in_time(values: Floats, confidence: float = 0.95, fraction: bool = Fals
     confidence : float
     fraction : bool
         Whether the values are fractions: the interval is then within [0, 1].
+    least : float
+        What no value can be below: the interval does not reach further.
     """
     values = np.asarray(values, float)
     values = values[~np.isnan(values)]
@@ -122,7 +130,7 @@ def mean_in_time(values: Floats, confidence: float = 0.95, fraction: bool = Fals
         half = max(half, _half_width(averages, confidence))
         length *= 2
     error = half / float(stdtrit(n - 1, (1 + confidence) / 2))
-    return _around(middle, error, half, n, fraction)
+    return _around(middle, error, half, n, fraction, least)
 
 
 def _half_width(values: Floats, confidence: float) -> float:
@@ -150,9 +158,49 @@ def _half_width(values: Floats, confidence: float) -> float:
     return float(brentq(outside, 0.0, most))
 
 
-def _around(value: float, error: float, half: float, n: int, fraction: bool) -> Mean:
+def trend(values: Floats) -> str:
+    """Whether a series (n,), evenly spaced in time, ``"rises"``, ``"falls"``, or ``"none"``.
+
+    A straight line is fitted to a first-order autoregression, whose correlation and variance are
+    integrated over as by `mean_in_time`. A slope that has the other sign with a probability of
+    more than `TREND_LEVEL` / 2 is none, so that slow fluctuations are not taken for a trend. NaN
+    is left out; fewer than `FEWEST` values have none.
+    """
+    values = np.asarray(values, float)
+    values = values[~np.isnan(values)]
+    n = len(values)
+    if n < FEWEST or not np.ptp(values):
+        return "none"
+    phi = MEMORIES[:, None]
+    line = np.linspace(-1.0, 1.0, n)
+
+    def whitened(series: Floats) -> Floats:
+        first = np.sqrt(1 - phi**2) * series[0]
+        return np.concatenate([first, series[1:] - phi * series[:-1]], axis=1)
+
+    # generalised least squares for each phi: the slope beside a constant, and what remains
+    level, slope = whitened(np.ones(n)), whitened(line)
+    rest = whitened((values - values.mean()) / values.std())
+    information = (level**2).sum(axis=1)
+    for series in (slope, rest):
+        series -= ((series * level).sum(axis=1) / information)[:, None] * level
+    steepness = (slope**2).sum(axis=1)
+    found = (slope * rest).sum(axis=1) / steepness
+    remains = ((rest - found[:, None] * slope) ** 2).sum(axis=1)
+    remains = np.maximum(remains, np.finfo(float).tiny)
+    # of the posterior, the prior cancels the determinant of the covariance
+    likelihood = -(np.log(information * steepness) + (n - 2) * np.log(remains)) / 2
+    weight = np.exp(likelihood - likelihood.max())
+    weight /= weight.sum()
+    falls = float(weight @ stdtr(n - 2, -found * np.sqrt((n - 2) * steepness / remains)))
+    if min(falls, 1 - falls) > TREND_LEVEL / 2:
+        return "none"
+    return "falls" if falls > 0.5 else "rises"
+
+
+def _around(value: float, error: float, half: float, n: int, fraction: bool, least: float) -> Mean:
     """A mean and its interval; of a fraction symmetric in the logit, so within [0, 1]."""
     if not fraction or not 0 < value < 1:
-        return Mean(value, error, value - half, value + half, n)
+        return Mean(value, error, max(value - half, least), value + half, n)
     center, reach = logit(value), half / (value * (1 - value))
     return Mean(value, error, float(expit(center - reach)), float(expit(center + reach)), n)

@@ -11,11 +11,11 @@ import numpy as np
 
 from lammps_skin.analysis.energies import read_energies
 from lammps_skin.analysis.lineage import Events, clone_sizes, turnover, with_added
-from lammps_skin.analysis.observables import Observables, Run, Table, is_fraction, open_run
+from lammps_skin.analysis.observables import Observables, Run, Table, is_fraction, least, open_run
 from lammps_skin.analysis.series import CloneMixing
 from lammps_skin.analysis.state import State, StateAnalysis
-from lammps_skin.analysis.statistics import mean_in_time
-from lammps_skin.arrays import Ints
+from lammps_skin.analysis.statistics import mean_in_time, trend
+from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import SkinError
 from lammps_skin.event_log import ADDITION, BIRTH, LEAVING, by_intervention
 
@@ -39,10 +39,10 @@ def summary(path: str | Path, window: Window | None = None) -> dict[str, Any]:
     dict
         ``run``: what was run and how far. ``observables``: list over frames for each column.
         ``window``: its times, frames, and the mean of each column with error and 95 % interval,
-        see `statistics.mean_in_time`. ``events``: births, removals by cause, interventions, clones,
-        mixing;
-        None without an event log. ``energies``: of each term at the start, at the end and its
-        mean in the window; None without a log. Undefined values are NaN.
+        see `statistics.mean_in_time`, and its `statistics.trend`. ``events``: births, removals by
+        cause, interventions, clones, mixing; None without an event log. ``energies``: of each term
+        at the start, at the end and its mean in the window; None without a log. Undefined values
+        are NaN.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def summary(path: str | Path, window: Window | None = None) -> dict[str, Any]:
             "end": float(end),
             "frames": int(inside.sum()),
             "means": {
-                name: mean_in_time(table[name][inside], fraction=is_fraction(name))._asdict()
+                name: _mean(name, table[name][inside])
                 for name in table.dtype.names or ()
                 if name not in CUMULATIVE
             },
@@ -97,6 +97,12 @@ def without_nan(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [without_nan(inner) for inner in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _mean(name: str, values: Floats) -> dict[str, Any]:
+    """The mean of a column over a window, and whether it has a trend."""
+    found = mean_in_time(values, fraction=is_fraction(name), least=least(name))
+    return {**found._asdict(), "trend": trend(values)}
 
 
 class _Cells(StateAnalysis):

@@ -18,7 +18,7 @@ from lammps_skin.cli.options import (
     Source,
     scene_from,
 )
-from lammps_skin.cli.output import console, duration, print_table
+from lammps_skin.cli.output import console, counted, duration, print_table
 from lammps_skin.errors import one_line
 from lammps_skin.kinds import Kind
 from lammps_skin.model.remarks import remarks
@@ -137,8 +137,8 @@ def _kinds(scene: Scene) -> Iterator[tuple[str, ...]]:
             divides = f"divides every {row.cycle:.4g} into itself and {row.daughter}"
         else:
             divides = (
-                f"divides {row.generations} times, every {row.cycle:.4g}, into itself and "
-                f"{row.daughter}, then is {row.after_last}"
+                f"divides {counted(row.generations, 'time')}, every {row.cycle:.4g}, into itself "
+                f"and {row.daughter}, then is {row.after_last}"
             )
         yield row.label, f"{attached}{paired if row.paired_with else ''}{leaves}", divides
 

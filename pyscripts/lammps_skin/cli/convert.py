@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from lammps_skin.cli.output import console
+from lammps_skin.cli.output import console, counted
 from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.trajectory.convert import convert as convert_directory
 
@@ -24,4 +24,4 @@ def convert(
     """Write the trajectory of a run, skin.dump, as an H5MD file that MDAnalysis reads."""
     with DirectoryLock(directory), console.status("converting"):
         path, frames, slots = convert_directory(directory, output)
-    console.print(f"{path}: {frames} frames, {slots} particles in all")
+    console.print(f"{path}: {counted(frames, 'frame')}, {counted(slots, 'particle')} in all")

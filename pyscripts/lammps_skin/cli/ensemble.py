@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lammps_skin.cli.options import Accuracy, Parameters, Settings, scene_from
-from lammps_skin.cli.output import console, duration
+from lammps_skin.cli.output import console, counted, duration
 from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.model.remarks import remarks
@@ -65,7 +65,7 @@ def ensemble(
             failures[str(directory)] = str(error)
 
     todo = [member for member in members if not member.done]
-    console.print(f"{len(members)} runs, {len(members) - len(todo)} of them there")
+    console.print(f"{counted(len(members), 'run')}, {len(members) - len(todo)} of them there")
     try:
         if todo:
             failures |= run_members(todo, jobs, keep)
@@ -78,7 +78,7 @@ def ensemble(
             table = read_table(path)
             runs_of = [table[table["seed"] == seed] for seed in np.unique(table["seed"])]
             why = "" if path in plain else "; the name without the key is that of another table"
-            console.print(f"{path}: {len(runs_of)} seeds{why}")
+            console.print(f"{path}: {counted(len(runs_of), 'seed')}{why}")
             if heaps := [line for run in runs_of if (line := last_remark(run))]:
                 console.print(f"{path}: {len(heaps)} of them, the first: {heaps[0]}")
     for label, text in failures.items():
@@ -99,7 +99,7 @@ def run_members(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
         def show(member: Member, time: float) -> None:
             reached[member] = time
             ended = sum(time >= member.scene.end_time for member, time in reached.items())
-            progress.show(sum(reached.values()), f"{ended} of {len(todo)} runs")
+            progress.show(sum(reached.values()), f"{ended} of {counted(len(todo), 'run')}")
 
         failed = run_all(todo, jobs, keep, show)
     return {member.label: text for member, text in failed.items()}

@@ -10,7 +10,7 @@ import typer
 
 from lammps_skin.cli.ensemble import run_members, seeds_of
 from lammps_skin.cli.options import Accuracy, Parameters, Settings, scene_from
-from lammps_skin.cli.output import console, duration, print_table
+from lammps_skin.cli.output import console, counted, duration, print_table
 from lammps_skin.errors import FigureError
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def _list(requests: list[Request]) -> None:
         missing = request.missing
         rows.append((
             str(request.number), request.figure.title, ", ".join(request.scenes),
-            f"{len(missing)} runs" if missing else "nothing",
+            counted(len(missing), "run") if missing else "nothing",
             duration(sum(member.seconds for member in missing)) if missing else "",
         ))  # fmt: skip
     print_table(["", "figure", "scenes", "to be run", "expected"], rows, whole=[0, 3, 4], fold=True)
@@ -82,7 +82,8 @@ def _run(request: Request, jobs: int, yes: bool) -> None:
     missing = request.missing
     seconds = sum(member.seconds for member in missing) / min(jobs, len(missing))
     names = ", ".join(dict.fromkeys(member.scene.name for member in missing))
-    need = f"figure {request.number} needs {len(missing)} runs of {names}, {duration(seconds)}"
+    runs = counted(len(missing), "run")
+    need = f"figure {request.number} needs {runs} of {names}, {duration(seconds)}"
     if not yes:
         if not sys.stdin.isatty():
             raise FigureError(f"{need}; --yes starts them")

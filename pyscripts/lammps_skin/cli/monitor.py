@@ -7,6 +7,7 @@ from pathlib import Path
 
 from lammps_skin.analysis.basal_layer import number_below, remark
 from lammps_skin.analysis.coverage import count_by_kind, coverage
+from lammps_skin.cli.output import counted
 from lammps_skin.cli.progress import Progress
 from lammps_skin.engine.engine import Motion
 from lammps_skin.event_log import ADDITION, BIRTH, COLUMNS, LEAVING, by_intervention
@@ -100,7 +101,8 @@ class RunMonitor:
             self.births = max(self.births - kinds.count(ADDITION), kinds.count(BIRTH))
             self.removals = max(self.removals, sum(kind in LEAVING for kind in kinds))
             done = by_intervention(kinds, causes)
-        yield f"{self.living()}; {self.births} births, {self.removals} removals"
+        happened = counted(self.births, "birth"), counted(self.removals, "removal")
+        yield f"{self.living()}; {', '.join(happened)}"
         for name, what in done.items():
             yield f"{name}: {what}"
         yield from self._tissue

@@ -63,6 +63,11 @@ def print_table(
     console.print(table)
 
 
+def counted(number: int, what: str) -> str:
+    """A number of things, whose word is given in the singular: ``1 run``, ``2,000 runs``."""
+    return f"{number:,} {what}{'' if number == 1 else 's'}"
+
+
 def duration(seconds: float) -> str:
     """Seconds in the unit in which they are read most easily."""
     for limit, unit, name in ((120, 1, "s"), (7200, 60, "min"), (172_800, 3600, "h")):

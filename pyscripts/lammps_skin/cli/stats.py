@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from lammps_skin.cli.output import console, print_table
+from lammps_skin.cli.output import console, counted, print_table
 from lammps_skin.errors import SkinError
 
 MOMENTS = 7  # of a run that are shown
@@ -26,7 +26,10 @@ def stats(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="Run directory, or a trajectory.")],
     window: Annotated[
         str | None,
-        typer.Option(metavar="A-B", help="Times to average over [default: the last two fifths]."),
+        typer.Option(
+            metavar="A-B",
+            help="Times to show and to average over [default: all, the last two fifths].",
+        ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
 ) -> None:
@@ -46,23 +49,30 @@ def stats(
     told = found["run"]
     further = f" of {told['end_time']:g}" if told["to"] < told["end_time"] else ""
     console.print(
-        f"{told['scene']}, {told['parameters']}, {_seeds(told)}: {told['frames']} frames, "
-        f"t = {told['from']:g} to {told['to']:g}{further}"
+        f"{told['scene']}, {told['parameters']}, {_seeds(told)}: "
+        f"{counted(told['frames'], 'frame')}, t = {told['from']:g} to {told['to']:g}{further}"
     )
     means = found["window"]
     window = f"t = {means['start']:g} to {means['end']:g}"
+    places = _places(found["observables"]["time"], times)
+    moments = [_number(found["observables"]["time"][place]) for place in places]
     tables = [
-        (["", *_moments(found)], _over_time(found)),
-        ([window, "mean", "95 % interval", "frames"], _averages(means["means"])),
+        (["", *moments], _over_time(found, places)),
+        ([window, "mean", "95 % interval", "frames", "trend"], _averages(means["means"])),
     ]
     if found["events"]:
-        tables.append((["events", ""], _happened(found["events"])))
+        tables.append((["events", ""], _happened(found["events"], window)))
         heads = ["clone of", "kind", "births", "removals", "cells"]
         tables.append((heads, _clones(found["events"])))
     if found["energies"]:
         tables.append((["energy", "first", "mean", "last"], _energies(found["energies"])))
     if line := last_remark(found["observables"]):
         console.print(line)
+    if any(mean["trend"] != "none" for mean in means["means"].values()):
+        console.print(
+            f"not stationary in {window}: where the trend is not empty, the mean and its interval "
+            "are of this window alone"
+        )
     for heads, rows in tables:
         print_table(heads, rows, right=True)
 
@@ -83,18 +93,16 @@ def _times(window: str) -> tuple[float, float]:
     raise SkinError(f"--window {window}: must be two ascending times, such as 600-1000")
 
 
-def _places(found: dict[str, Any]) -> list[int]:
-    """Frames to show, evenly spread."""
-    last = found["run"]["frames"] - 1
-    return sorted({round(last * n / (MOMENTS - 1)) for n in range(MOMENTS)})
+def _places(times: list[float], within: tuple[float, float] | None) -> list[int]:
+    """Frames to show, evenly spread over the run or over those of a window."""
+    start, end = within or (times[0], times[-1])
+    inside = [place for place, time in enumerate(times) if start <= time <= end]
+    last = len(inside) - 1
+    return [inside[n] for n in sorted({round(last * n / (MOMENTS - 1)) for n in range(MOMENTS)})]
 
 
-def _moments(found: dict[str, Any]) -> list[str]:
-    return [_number(found["observables"]["time"][place]) for place in _places(found)]
-
-
-def _over_time(found: dict[str, Any]) -> Iterator[tuple[str, ...]]:
-    places, columns = _places(found), list(found["observables"])
+def _over_time(found: dict[str, Any], places: list[int]) -> Iterator[tuple[str, ...]]:
+    columns = list(found["observables"])
     kinds = columns[1 : columns.index("births")]
     placed = [kind for kind in kinds if f"{kind}_on_tips" in columns]
     tips = [f"{kind}_on_tips" for kind in placed]
@@ -113,16 +121,17 @@ def _averages(means: dict[str, Any]) -> Iterator[tuple[str, ...]]:
         if mean["n"] and not name.endswith(SPREADS):
             defined = mean["low"] == mean["low"]
             interval = f"{_number(mean['low'])} to {_number(mean['high'])}" if defined else "-"
-            yield name, _number(mean["value"]), interval, str(mean["n"])
+            trend = "" if mean["trend"] == "none" else mean["trend"]
+            yield name, _number(mean["value"]), interval, str(mean["n"]), trend
 
 
-def _happened(events: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+def _happened(events: dict[str, Any], window: str) -> Iterator[tuple[str, ...]]:
     causes = (f"{number:,} {cause}" for cause, number in events["removals_by_cause"].items())
     yield "births", f"{events['births']:,}"
     yield "removals", ", ".join(causes) or "0"
     yield from events["interventions"].items()
     yield (
-        "births, removals per time unit",
+        f"births, removals per time unit, {window}",
         (f"{_number(events['births_per_time'])}, {_number(events['removals_per_time'])}"),
     )
     yield "mixing of clones at the end", _number(events["mixing"])

@@ -29,7 +29,14 @@ import numpy as np
 from numpy.lib import recfunctions
 
 from lammps_skin.analysis import observables
-from lammps_skin.analysis.observables import Table, is_fraction, open_run, read_table, write_table
+from lammps_skin.analysis.observables import (
+    Table,
+    is_fraction,
+    least,
+    open_run,
+    read_table,
+    write_table,
+)
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError, SkinError
@@ -369,11 +376,12 @@ def window_means(table: Table, column: str, start: float, end: float) -> Floats:
 
 def window_mean(table: Table, column: str, start: float, end: float) -> Mean:
     """Mean over seeds of the means over a window, with standard error and 95 % interval (t)."""
-    return mean(window_means(table, column, start, end), fraction=is_fraction(column))
+    means = window_means(table, column, start, end)
+    return mean(means, fraction=is_fraction(column), least=least(column))
 
 
 def over_time(table: Table, column: str) -> tuple[Floats, list[Mean]]:
     """Mean over seeds at every time (t,), with standard error and 95 % interval."""
     times = np.unique(table["time"])
-    fraction = is_fraction(column)
-    return times, [mean(table[column][table["time"] == t], fraction=fraction) for t in times]
+    limits: dict[str, Any] = {"fraction": is_fraction(column), "least": least(column)}
+    return times, [mean(table[column][table["time"] == t], **limits) for t in times]

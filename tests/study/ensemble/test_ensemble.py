@@ -53,7 +53,7 @@ def test_one_command_and_the_same_again(skin, tmp_path):
 
     # another scene of this name has tables of its own
     answer = skin("ensemble", "tiny.toml", "--seeds", "1", "-o", "many", "--set", "end_time=1")
-    assert "1 runs, 0 of them there" in answer.out
+    assert "1 run, 0 of them there" in answer.out
     assert len([path for path in kept.parent.iterdir() if path.suffix == ".csv"]) == 3
 
 
@@ -161,7 +161,7 @@ def test_runs_from_elsewhere(skin, scene, tmp_path):
     assert {path: path.stat().st_mtime_ns for path in done.iterdir()} == before
     assert member_of(done, tmp_path / "many").done
     # it is the same as a run of the ensemble itself
-    assert skin("ensemble", "tiny.toml", "--seeds", 7, "-o", "many").out.startswith("1 runs, 1 of")
+    assert skin("ensemble", "tiny.toml", "--seeds", 7, "-o", "many").out.startswith("1 run, 1 of")
 
 
 def test_a_run_whose_versions_nobody_knows(skin, scene, tmp_path):

@@ -48,6 +48,25 @@ def test_what_is_printed(skin, run):
     assert "nan" not in answer.out
 
 
+def test_a_window_is_shown_over_time_too(skin, run):
+    lines = skin("stats", run, "--window", "1-2").out.splitlines()
+    heads = next(line.split() for line in lines[1:] if line.strip())
+    assert heads == ["1", "1.5", "2"]
+    (rates,) = (line for line in lines if line.startswith("births, removals per time unit"))
+    assert "per time unit, t = 1 to 2 " in rates
+
+
+def test_what_rises_in_a_window_is_told(skin, run):
+    """The membrane, flat at the start, does."""
+    found = json.loads(skin("stats", run, "--json", "--window", "0-3").out)["window"]["means"]
+    answer = skin("stats", run, "--window", "0-3").out
+    rising = [name for name, mean in found.items() if mean["trend"] == "rises"]
+    assert "height_std" in rising and found["ta"]["low"] >= 0
+    assert "not stationary in t = 0 to 3: " in answer
+    averages = answer.partition("95 % interval")[2].splitlines()
+    assert next(line.split() for line in averages if line.startswith("height_std "))[-1] == "rises"
+
+
 def test_the_seed_is_that_of_the_run(skin, scene, tmp_path):
     """Which may be another one than its scene's."""
     with Simulation.begin(scene, tmp_path / "run", variables={"seed": 7}) as simulation:

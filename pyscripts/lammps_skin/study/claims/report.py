@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lammps_skin.analysis.observables import is_fraction
+from lammps_skin.analysis.observables import is_fraction, least
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.errors import SkinError
 from lammps_skin.files import atomic_write
@@ -137,7 +137,9 @@ def _levels(one: Ensemble, suffix: str, kind: str) -> Iterator[str]:
 def _level(one: Ensemble, column: str, other: str = "") -> str:
     """Late mean of a column, or less that of another one, with its interval over seeds."""
     values = one.mean(column, one.late) - (one.mean(other, one.late) if other else 0.0)
-    return _interval(mean(values, fraction=is_fraction(column) and not other))
+    if other:
+        return _interval(mean(values))
+    return _interval(mean(values, fraction=is_fraction(column), least=least(column)))
 
 
 def _interval(value: Mean) -> str:
