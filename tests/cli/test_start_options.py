@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from lammps_skin.engine.built import load_built
 from lammps_skin.model.scene import Scene
@@ -50,3 +51,62 @@ def test_begin_with_the_state_of_a_run(skin, refused, parent, tmp_path):
     )
     ended = skin("run", "file", "--until", 2.5)
     assert ended.code == 0 and "reached t = 2.5" in ended.out
+
+
+SOFTER = """
+name = "softer"
+end_time = 9.0
+[dermis]
+present = false
+[membrane]
+lattice = [16, 18]
+[output]
+dump_interval = 1.0
+[numerics]
+timestep = 0.25
+[[interventions]]
+name = "seeds"
+at = 1.0
+add = "nd"
+places = [[1.0, 1.0], [4.0, 4.0]]
+[[interventions]]
+name = "softening"
+at = 2.0
+set = {membrane.bending_stiffness = 0.125}
+[[interventions]]
+name = "more"
+at = 5.0
+add = "nd"
+places = [[1.0, 4.0]]
+"""
+
+
+def test_check_tells_of_the_state_that_a_run_begins_with(skin, tmp_path):
+    """Its run and time, its cells, the values in force, and what is left to do."""
+    (tmp_path / "softer.toml").write_text(SOFTER)
+    assert skin("run", "softer.toml", "--until", 3, "-o", "first").code == 0
+    lines = [" ".join(line.split()) for line in skin("check", "softer.toml").out.splitlines()]
+    assert {"nd particles 0", "bend on K = 0.5", "cells at the end about 3", "steps 36"} <= {*lines}
+    assert not any(line.startswith("begins ") for line in lines)
+    for at, bend in ((("--at", 1), "0.5"), ((), "0.125")):
+        out = skin("check", "softer.toml", "--from", "first", *at).out
+        lines = [" ".join(line.split()) for line in out.splitlines()]
+        time = at[1] if at else 3
+        assert f"begins with the state of {tmp_path / 'first'} at t = {time}" in lines
+        assert {
+            "nd particles 2", f"bend on K = {bend}", "cells at the end about 3",
+            f"steps {4 * (9 - time)}, from t = {time} to 9",
+        } <= {*lines}  # fmt: skip
+        in_force = (
+            "interventions.softening.at = 2: is not after start.time = 3, and its values hold"
+        )
+        assert (in_force in out) == (time == 3)
+    measured = skin("check", "softer.toml", "--from", "first", "--measure")
+    assert measured.code == 0 and "ms measured" in measured.out
+
+
+def test_check_tells_of_heights(skin, tmp_path):
+    np.save(tmp_path / "wave.npy", np.full((3, 4), 22.0))
+    given = ("--set", "membrane.heights=wave.npy", "--set", "membrane.lattice=[12, 14]")
+    out = skin("check", "no-dermis", *given, "--set", "cells.stem=0").out
+    assert f"begins at t = 0 with a membrane of the heights in {tmp_path / 'wave.npy'}\n" in out

@@ -21,13 +21,14 @@ from lammps_skin.cli.options import (
 from lammps_skin.cli.output import console, counted, duration, print_table
 from lammps_skin.errors import one_line
 from lammps_skin.kinds import Kind
+from lammps_skin.model.changes import scene_at
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.stiffness import longest_timestep, stiffest
 from lammps_skin.model.terms import TERMS
-from lammps_skin.start import memory
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.configuration import Configuration, check_sizes
+from lammps_skin.start.counts import first_counts
 from lammps_skin.start.sheet import membrane_at_start
 from lammps_skin.study import cost
 from lammps_skin.study.simplifications import Simplification, candidates, measured
@@ -57,11 +58,15 @@ def check(
     else:
         described = Configuration.from_scene(described).described(described)
     console.print(one_line(f"{described.name}: {described.description}").rstrip(": "))
+    if begins := _beginning(described):
+        console.print(one_line(begins))
+    in_force = scene_at(described, described.begins)
     for title, rows in {
-        "part": _parts, "kind of cells": _kinds, "intervention": _interventions, "term": _terms,
-        "size": _sizes, "numerics": _numerics,
+        "part": _parts(described), "kind of cells": _kinds(in_force),
+        "intervention": _interventions(described), "term": _terms(in_force),
+        "size": _sizes(described), "numerics": _numerics(described),
     }.items():  # fmt: skip
-        if lines := list(rows(described)):
+        if lines := list(rows):
             print_table([title, "", ""], lines, whole=[0], fold=True)
     for remark in remarks(described):
         console.print(remark)
@@ -72,6 +77,17 @@ def check(
         found = measured(described) if savings else list(candidates(described))
     heads = ["could be left out", "risk", *(["step time"] if savings else [])]
     print_table(heads, _savings(found), whole=[0, 2], fold=True)
+
+
+def _beginning(scene: Scene) -> str:
+    """What a scene begins with that is not made by itself."""
+    run, membrane = scene.start.run, scene.membrane
+    if run is not None:
+        return f"begins with the state of {run} at t = {scene.begins:.10g}"
+    if membrane.heights is not None:
+        scale = "" if membrane.heights_scale == 1 else f", times {membrane.heights_scale:g}"
+        return f"begins at t = 0 with a membrane of the heights in {membrane.heights}{scale}"
+    return ""
 
 
 def _parts(scene: Scene) -> Iterator[tuple[str, ...]]:
@@ -167,14 +183,11 @@ def _interventions(scene: Scene) -> Iterator[tuple[str, ...]]:
 
 
 def _sizes(scene: Scene) -> Iterator[tuple[str, ...]]:
-    membrane, dermal, _ = memory.particle_counts(scene)
-    counts = {Kind.DERMAL: dermal, Kind.MEMBRANE: membrane}
-    for row in scene.cell_table.values():
-        if row.count or row.kind not in (Kind.TA, Kind.EXHAUSTED):
-            counts[row.kind] = row.count
+    counts = first_counts(scene)
     for kind, count in counts.items():
-        yield f"{kind.label} particles", f"{count:,}"
-    yield "links", f"{3 * membrane:,}"
+        if count or kind not in (Kind.TA, Kind.EXHAUSTED):
+            yield f"{kind.label} particles", f"{count:,}"
+    yield "links", f"{3 * counts[Kind.MEMBRANE]:,}"
     yield "box", " x ".join(f"{side:.6g}" for side in scene.box_sides)
 
 
@@ -205,11 +218,14 @@ def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
     factor = measured / expected.first_step if measured else 1.0
     yield "memory", f"{expected.memory / 1e6:,.0f} MB"
     yield "cells at the end", f"about {expected.cells:,.0f}"
-    yield "steps", f"{expected.steps:,}"
+    rest = f", from t = {scene.begins:.10g} to {scene.end_time:g}" if scene.begins else ""
+    yield "steps", f"{expected.steps:,}{rest}"
+    yield "until the first step", f"about {duration(expected.start)}"
     yield "step at the start", f"{expected.first_step * 1e3:.3g} ms expected"
     if measured:
         yield "", f"{measured * 1e3:.3g} ms measured"
-    yield "the whole run", f"about {duration(factor * expected.seconds)}"
+    seconds = expected.start + factor * (expected.seconds - expected.start)
+    yield "the whole run", f"about {duration(seconds)}"
 
 
 def _savings(found: list[Simplification]) -> Iterator[tuple[str, ...]]:

@@ -89,9 +89,9 @@ def ensemble(
 
 def run_members(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
     """Run with a progress bar; what failed, by label."""
-    from lammps_skin.study.ensemble import run_all
+    from lammps_skin.study.ensemble import expected_seconds, run_all
 
-    seconds = sum(member.seconds for member in todo) / min(jobs, len(todo))
+    seconds = expected_seconds(todo) / min(jobs, len(todo))
     console.print(f"{len(todo)} to do, {jobs} at a time: about {duration(seconds)} on idle cores")
     reached: dict[Member, float] = {}
     with Progress(sum(member.scene.end_time for member in todo)) as progress:

@@ -66,21 +66,25 @@ def figure(
 
 
 def _list(requests: list[Request]) -> None:
+    from lammps_skin.study.ensemble import expected_seconds
+
     rows = []
     for request in requests:
         missing = request.missing
         rows.append((
             str(request.number), request.figure.title, ", ".join(request.scenes),
             counted(len(missing), "run") if missing else "nothing",
-            duration(sum(member.seconds for member in missing)) if missing else "",
+            duration(expected_seconds(missing)) if missing else "",
         ))  # fmt: skip
     print_table(["", "figure", "scenes", "to be run", "expected"], rows, whole=[0, 3, 4], fold=True)
 
 
 def _run(request: Request, jobs: int, yes: bool) -> None:
     """Say what is missing and what it costs, ask, run."""
+    from lammps_skin.study.ensemble import expected_seconds
+
     missing = request.missing
-    seconds = sum(member.seconds for member in missing) / min(jobs, len(missing))
+    seconds = expected_seconds(missing) / min(jobs, len(missing))
     names = ", ".join(dict.fromkeys(member.scene.name for member in missing))
     runs = counted(len(missing), "run")
     need = f"figure {request.number} needs {runs} of {names}, {duration(seconds)}"

@@ -39,6 +39,12 @@ class Change:
         return step + math.ceil((self.time - time) / timestep - 1e-6)
 
 
+def scene_at(scene: Scene, time: float) -> Scene:
+    """What is in force at a time: the scene after the interventions that have set keys by then."""
+    done = sum(one.first <= time for one in scene.interventions if one.set)
+    return scene.stages[done]
+
+
 def changes(scene: Scene) -> tuple[Change, ...]:
     """The changes of a scene's coefficients in the order of their times."""
     found, former = [], Terms(scene)

@@ -11,11 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lammps_skin.arrays import Floats
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
-from lammps_skin.start.memory import BASE, PER_PARTICLE, particle_counts
+from lammps_skin.start.counts import first_counts
+from lammps_skin.start.memory import BASE, PER_PARTICLE
+from lammps_skin.study.growth import growth
 
-CROWDED = 0.7  # cells per unit area of a covered membrane, with the default parameters
 EVENTS_PER_CYCLE = 3.0  # of a cell: its share in births, ends of divisions and removals
 REBUILDS_BY_MOTION = 0.15  # per time unit, divided by the neighbor skin
 
@@ -32,6 +35,9 @@ class Rates:
         Seconds of a step: for every particle, and what dermal particles, cells and links add.
     rebuild : float
         Seconds of a rebuild of the neighbor lists, for every particle.
+    start, packed : float
+        Seconds until the first step: of a process that loads the package and LAMMPS, and for every
+        dermal particle that is packed.
     base_memory, particle_memory : float
         Bytes of the process, and for every particle with its links.
     """
@@ -42,70 +48,70 @@ class Rates:
     cell: float = 1.14e-6
     link: float = 3.4e-8
     rebuild: float = 1.9e-6
+    start: float = 2.5
+    packed: float = 9.0e-4
     base_memory: float = BASE
     particle_memory: float = PER_PARTICLE
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Cost of a run on one core: seconds of a step at its start, seconds of all, bytes.
+    """Cost of a run on one core.
 
-    `cells` is the number of cells that is expected at the end.
+    Attributes
+    ----------
+    steps : int
+        From the time at which it begins to its end.
+    cells : float
+        Number that is expected at the end.
+    start, first_step, seconds : float
+        Seconds until the first step, of the first step, and of all.
+    memory : float
+        Bytes.
     """
 
     steps: int
     cells: float
+    start: float
     first_step: float
     seconds: float
     memory: float
 
 
 def estimate(scene: Scene, rates: Rates | None = None) -> Cost:
-    """Expected cost of a whole run: lineages double in each cell cycle until it is crowded."""
+    """Expected cost of a whole run, from the time at which it begins."""
     rates = rates or Rates()
-    membrane, dermal, _ = particle_counts(scene)
-    steps = round(scene.end_time / scene.numerics.timestep)
-    times = np.linspace(0.0, scene.end_time, 201)
-    cells = _cells(scene, times)
-    particles = membrane + dermal + cells
+    first = first_counts(scene)
+    membrane, dermal = first[Kind.MEMBRANE], first[Kind.DERMAL]
+    steps = round((scene.end_time - scene.begins) / scene.numerics.timestep)
+    times = np.linspace(scene.begins, scene.end_time, 201)
+    found = growth(scene, {kind.label: n for kind, n in first.items() if is_cell(kind)}, times)
+    particles = membrane + dermal + found.cells
     forces = (
         rates.particle * particles
         + rates.dermal * dermal
-        + rates.cell * cells
+        + rates.cell * found.cells
         + rates.link * 3 * membrane
     )
-    rebuilds = _rebuilds(scene, cells) * scene.numerics.timestep
+    rebuilds = _rebuilds(scene, found.divisions) * scene.numerics.timestep
     step = scene.numerics.evaluations * forces + rates.rebuild * particles * rebuilds
+    start = rates.start + rates.packed * (0 if scene.start.run else dermal)
     return Cost(
         steps=steps,
-        cells=float(cells[-1]),
+        cells=float(found.cells[-1]),
+        start=start,
         first_step=float(step[0]),
-        seconds=steps * (rates.step + float(step.mean())),
+        seconds=start + steps * (rates.step + float(step.mean())),
         memory=rates.base_memory + rates.particle_memory * float(particles[-1]),
     )
 
 
-def _cells(scene: Scene, times: np.ndarray) -> np.ndarray:
-    """Expected number of cells (n,) at times (n,)."""
-    dividing = _dividing(scene)
-    lx, ly, _ = scene.box_sides
-    room = max(CROWDED * lx * ly, dividing)
-    doublings = np.minimum(times / scene.shortest_cycle, 60.0)
-    return np.minimum(dividing * 2.0**doublings, room) + scene.cell_count - dividing
-
-
-def _dividing(scene: Scene) -> int:
-    """Number of cells at the start that divide."""
-    return sum(kind.count for kind in scene.cell_kinds if kind.daughter)
-
-
-def _rebuilds(scene: Scene, cells: np.ndarray) -> np.ndarray:
+def _rebuilds(scene: Scene, divisions: Floats) -> Floats:
     """Rebuilds of the neighbor lists per time unit: by events, on event steps, and by motion."""
     numerics = scene.numerics
     interval = max(numerics.event_interval, numerics.timestep)
-    dividing = cells - scene.cell_count + _dividing(scene)
-    events = EVENTS_PER_CYCLE * dividing / scene.shortest_cycle
-    return -np.expm1(-events * interval) / interval + REBUILDS_BY_MOTION / numerics.neighbor_skin
+    by_events: Floats = -np.expm1(-EVENTS_PER_CYCLE * divisions * interval) / interval
+    return by_events + REBUILDS_BY_MOTION / numerics.neighbor_skin
 
 
 def measure(scene: Scene, seconds: float = 1.0) -> float:
@@ -115,7 +121,8 @@ def measure(scene: Scene, seconds: float = 1.0) -> float:
     warm_up = max(steps // 10, 1)
     quiet = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
     with Simulation.begin(scene.replace(**quiet)) as simulation:
-        simulation.run(until=warm_up * timestep)
+        first = simulation.time
+        simulation.run(until=first + warm_up * timestep)
         began = time.perf_counter()
-        simulation.run(until=(warm_up + steps) * timestep)
+        simulation.run(until=first + (warm_up + steps) * timestep)
         return (time.perf_counter() - began) / steps

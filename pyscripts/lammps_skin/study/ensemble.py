@@ -178,6 +178,14 @@ def members(scenes: Iterable[Scene], seeds: Sequence[int], folder: Path) -> list
     return [Member(scene.replace(seed=seed), folder) for scene in begun for seed in seeds]
 
 
+def expected_seconds(members: Iterable[Member]) -> float:
+    """Expected cost on one core; it is the same for all seeds of a scene."""
+    members = list(members)
+    keys = [member.key for member in members]
+    one_of_each = dict(zip(keys, members, strict=True))
+    return sum(keys.count(key) * member.seconds for key, member in one_of_each.items())
+
+
 def member_of(directory: Path, folder: Path) -> Member:
     """The member that was run in a directory, in the folder of an ensemble.
 

@@ -12,8 +12,10 @@ import scipy.stats
 from lammps_skin.analysis.observables import COLUMNS, observables, read_table, write_table
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.run.simulation import Simulation
+from lammps_skin.study.cost import estimate
 from lammps_skin.study.ensemble import (
     Member,
+    expected_seconds,
     gather,
     member_of,
     members,
@@ -55,6 +57,13 @@ def test_one_command_and_the_same_again(skin, tmp_path):
     answer = skin("ensemble", "tiny.toml", "--seeds", "1", "-o", "many", "--set", "end_time=1")
     assert "1 run, 0 of them there" in answer.out
     assert len([path for path in kept.parent.iterdir() if path.suffix == ".csv"]) == 3
+
+
+def test_what_is_expected_is_that_of_each_run_with_its_start(scene, tmp_path):
+    other = scene.replace(name="other", **{"dermis.present": True, "membrane.lattice": [24, 28]})
+    both = members([scene, other], [1, 2, 3], tmp_path)
+    assert expected_seconds(both) == pytest.approx(sum(member.seconds for member in both))
+    assert expected_seconds(both) > 6 * estimate(scene).start
 
 
 def test_runs_that_begin_elsewhere(scene, tmp_path):
