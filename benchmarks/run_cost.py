@@ -46,7 +46,8 @@ def main() -> None:
                     (name, simulation.time, cells, now - last, motion.steps, motion.evaluations)
                 )
                 last = now
-        expected, measured = estimate(scene).seconds, last - began
+        cost, measured = estimate(scene), last - began
+        expected = cost.seconds - cost.start
         print(
             f"| {name} | {scene.end_time:g} | {cells} | {motion.evaluations / motion.steps:.2f} | "
             f"{expected:.1f} | {measured:.1f} | {measured / expected:.2f} |",

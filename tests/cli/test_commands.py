@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lammps_skin.cli.cores import warn_of_crowding
 from lammps_skin.engine import engine
 from lammps_skin.kinds import Kind
 from lammps_skin.model.parameters import SETS
@@ -261,11 +262,29 @@ def test_force_replaces_results(skin, tmp_path):
     assert len(Path("x/events.csv").read_text().splitlines()) == 1
 
 
-def test_run_on_ranks_and_threads(skin):
-    skin("run", "bare-membrane", "--until", "0.1", "--ranks", "2", "--threads", "2", "-o", "x")
+def test_run_on_ranks_and_threads(skin, monkeypatch):
+    monkeypatch.setattr("lammps_skin.cli.cores.cores", lambda: 3)
+    answer = skin(
+        "run", "bare-membrane", "--until", "0.1", "--ranks", "2", "--threads", "2", "-o", "x"
+    )
     log = Path("x/log.lammps").read_text()
     assert "1 by 2 by 1 MPI processor grid" in log or "2 by 1 by 1 MPI processor grid" in log
     assert "on 4 procs" in log
+    assert answer.out.startswith("2 ranks of 2 threads on 3 cores: they take turns, and nothing is")
+
+
+@pytest.mark.parametrize(
+    ("processes", "threads", "said"),
+    [
+        (64, 1, "64 runs on 4 cores: they"), (1, 5, "1 run of 5 threads on 4 cores: they"),
+        (4, 1, ""), (2, 2, ""),
+    ],
+)  # fmt: skip
+def test_more_processes_than_cores_are_told_of(processes, threads, said, capsys, monkeypatch):
+    monkeypatch.setattr("lammps_skin.cli.cores.cores", lambda: 4)
+    warn_of_crowding(processes, "run", threads)
+    out = capsys.readouterr().out
+    assert out.startswith(said) and bool(out) == bool(said)
 
 
 def test_interrupted_run_ends_cleanly(tmp_path):

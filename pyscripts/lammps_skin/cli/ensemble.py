@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from lammps_skin.cli.cores import cores, warn_of_crowding
 from lammps_skin.cli.options import Accuracy, Parameters, Settings, scene_from
 from lammps_skin.cli.output import console, counted, duration
 from lammps_skin.cli.progress import Progress
@@ -91,7 +92,9 @@ def run_members(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
     """Run with a progress bar; what failed, by label."""
     from lammps_skin.study.ensemble import expected_seconds, run_all
 
-    seconds = expected_seconds(todo) / min(jobs, len(todo))
+    together = min(jobs, len(todo))
+    warn_of_crowding(together, "run")
+    seconds = expected_seconds(todo) / min(together, cores())
     console.print(f"{len(todo)} to do, {jobs} at a time: about {duration(seconds)} on idle cores")
     reached: dict[Member, float] = {}
     with Progress(sum(member.scene.end_time for member in todo)) as progress:

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from lammps_skin.cli.cores import warn_of_crowding
 from lammps_skin.cli.monitor import RunMonitor
 from lammps_skin.cli.options import (
     Accuracy,
@@ -81,6 +82,7 @@ def run(
         )
     if timestep is not None and not resume:
         raise SceneError("--timestep: goes with --resume; else give --set numerics.timestep=...")
+    warn_of_crowding(ranks, "rank", threads)
     with DirectoryLock(directory, make=scene is not None) as lock:
         if resume:
             simulation = _resumed(lock, directory, ranks, threads, until, timestep)
