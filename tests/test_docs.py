@@ -13,6 +13,7 @@ from typing import Any
 import lammps_skin
 import numpy as np
 import pytest
+from lammps_skin.analysis import energies
 from lammps_skin.cli import COMMANDS, application
 from lammps_skin.cli.options import scene_from
 from lammps_skin.model import parameters, potentials
@@ -30,6 +31,7 @@ from lammps_skin.model.parts import KindKeys
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
 from lammps_skin.model.terms import TERMS, Terms
+from lammps_skin.run.evaluate import SHORT
 from lammps_skin.start.build import INTERVENTIONS, SCRIPTS
 from lammps_skin.start.packing import FORCE_TOLERANCE, dermal_count
 from pages import BY_NAME, PACKAGE, PAGES, ROOT, codes, commands, fences, rows, section, text
@@ -96,6 +98,15 @@ def test_toml_examples_are_scenes() -> None:
     assert blocks
     for block in blocks:
         Scene.from_dict(tomllib.loads(block))
+
+
+def test_terms_of_evaluate() -> None:
+    """Each short name, its term, and the column of the log."""
+    table = rows(section("inputs.md", "A configuration in a text file"))
+    named = {row[0].strip("`"): [word.strip("`") for word in row[1:]] for row in table}
+    assert named.keys() >= {"cc_ad", "total"}
+    for short, term in {**SHORT, "cc_ad_shifted": "cell_cell_adhesion"}.items():
+        assert named[short][0] == energies.COLUMNS[named[short][1]] == term
 
 
 # ---- the scene
