@@ -23,7 +23,7 @@ SETTINGS = {
     "cells.seed": "--set cells.seed: must be KEY=VALUE, such as cells.seed=3",
     "=3": "--set =3: must be KEY=VALUE, such as cells.seed=3",
     # types and units
-    "numerics.timestep=0.01 s": "numerics.timestep = '0.01 s': must be a valid number",
+    "numerics.timestep=0.01 s": "numerics.timestep = '0.01 s': must be a number, in the reduced",
     "numerics.timestep=[0.01]": "numerics.timestep = [0.01]: must be a valid number",
     "cells.stem=1.5": "cells.stem = 1.5: must be a valid integer",
     "cells.stem=true": "cells.stem = True: must be a valid integer",

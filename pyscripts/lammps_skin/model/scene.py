@@ -134,9 +134,10 @@ class Scene(Part):
             if parts[:1] == ["interventions"]:
                 given.setdefault("interventions", [])
             place: Any = given
+            named = given.get("interventions")  # the only array whose tables have names
             for part in parts:
                 above, place = place, entry(place, part)
-                if not isinstance(place, (dict, list)):
+                if not isinstance(place, dict) and (place is None or place is not named):
                     why = no_entry(above, part) or f"{part} has no keys"
                     raise SceneError(f"{key} = {shown(value)}: {why}")
             if isinstance(place, list):
