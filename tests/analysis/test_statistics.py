@@ -131,5 +131,14 @@ def test_trends_by_sight():
 @pytest.mark.parametrize("n", [7, 20, 60])
 def test_stationary_series_seldom_have_a_trend(n, memory):
     drawn = series(np.random.default_rng(n), 400, n, memory)
-    wrong = np.mean([trend(values) != "none" for values in drawn])
+    wrong = np.mean([trend(values) in ("rises", "falls") for values in drawn])
     assert wrong < 0.01 + 3 * np.sqrt(0.01 / 400), wrong
+
+
+def test_what_changes_slowly_is_not_taken_for_stationary():
+    random = np.random.default_rng(5)
+    quick = [trend(values) for values in random.normal(size=(100, 40))]
+    slow = [trend(values) for values in np.cumsum(random.normal(size=(100, 40)), axis=1)]
+    assert quick.count("none") > 95 and slow.count("none") < 40
+    late = np.array([1.0, 1, 1, 1, 1, 1, 1, 1.01, 1.1, 1.2])
+    assert trend(late) == "unclear"

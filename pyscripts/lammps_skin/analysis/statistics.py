@@ -13,6 +13,7 @@ from lammps_skin.arrays import Floats, Ints
 
 FEWEST = 5  # values of a series
 FEWEST_BLOCKS = 20
+CONFIDENCE = 0.95
 TREND_LEVEL = 0.01  # probability above which a trend may be chance
 MEMORIES = np.linspace(0.0, 0.99, 100)  # correlations of successive values
 
@@ -39,7 +40,7 @@ class Mean(NamedTuple):
 
 
 def mean(
-    values: Floats, confidence: float = 0.95, fraction: bool = False, least: float = -np.inf
+    values: Floats, confidence: float = CONFIDENCE, fraction: bool = False, least: float = -np.inf
 ) -> Mean:
     """Mean of independent values (n,), such as those of several seeds, after Student's t.
 
@@ -56,7 +57,7 @@ def mean(
     return _around(float(values.mean()), error, half, n, fraction, least)
 
 
-def difference(one: Floats, other: Floats, confidence: float = 0.95) -> Mean:
+def difference(one: Floats, other: Floats, confidence: float = CONFIDENCE) -> Mean:
     """Difference of the means of independent values (n,) and (m,), after Welch.
 
     `n` is the smaller number of defined values; the interval needs two of each.
@@ -94,7 +95,7 @@ def pseudo_values(statistic: Callable[[Ints], float], n: int) -> Floats:
 
 
 def mean_in_time(
-    values: Floats, confidence: float = 0.95, fraction: bool = False, least: float = -np.inf
+    values: Floats, confidence: float = CONFIDENCE, fraction: bool = False, least: float = -np.inf
 ) -> Mean:
     """Mean of a stationary series (n,), evenly spaced in time, whose values are correlated.
 
@@ -117,20 +118,26 @@ def mean_in_time(
     """
     values = np.asarray(values, float)
     values = values[~np.isnan(values)]
-    n, length = len(values), 1
+    n = len(values)
     middle = float(values.mean()) if n else np.nan
     if n < FEWEST:
         return Mean(middle, np.nan, np.nan, np.nan, n)
     if not np.ptp(values):
         return Mean(middle, 0.0, middle, middle, n)
-    half = 0.0
+    half = _widest(values, confidence)
+    error = half / float(stdtrit(n - 1, (1 + confidence) / 2))
+    return _around(middle, error, half, n, fraction, least)
+
+
+def _widest(values: Floats, confidence: float) -> float:
+    """The widest half width, of a series (n,) and of its averages."""
+    n, length, half = len(values), 1, 0.0
     while length == 1 or n // length >= FEWEST_BLOCKS:
         blocks = n // length
         averages = values[n - blocks * length :].reshape(blocks, length).mean(axis=1)
         half = max(half, _half_width(averages, confidence))
         length *= 2
-    error = half / float(stdtrit(n - 1, (1 + confidence) / 2))
-    return _around(middle, error, half, n, fraction, least)
+    return half
 
 
 def _half_width(values: Floats, confidence: float) -> float:
@@ -159,12 +166,14 @@ def _half_width(values: Floats, confidence: float) -> float:
 
 
 def trend(values: Floats) -> str:
-    """Whether a series (n,), evenly spaced in time, ``"rises"``, ``"falls"``, or ``"none"``.
+    """Whether a series (n,), evenly spaced in time, ``"rises"``, ``"falls"`` or neither.
 
     A straight line is fitted to a first-order autoregression, whose correlation and variance are
     integrated over as by `mean_in_time`. A slope that has the other sign with a probability of
-    more than `TREND_LEVEL` / 2 is none, so that slow fluctuations are not taken for a trend. NaN
-    is left out; fewer than `FEWEST` values have none.
+    more than `TREND_LEVEL` / 2 is none, so that slow fluctuations are not taken for a trend. It
+    is unclear if the interval of the mean reaches further than the values are apart: so few values
+    may be a piece of a slow change. Else it is ``"none"``, as of fewer than `FEWEST` values; NaN
+    is left out.
     """
     values = np.asarray(values, float)
     values = values[~np.isnan(values)]
@@ -193,9 +202,9 @@ def trend(values: Floats) -> str:
     weight = np.exp(likelihood - likelihood.max())
     weight /= weight.sum()
     falls = float(weight @ stdtr(n - 2, -found * np.sqrt((n - 2) * steepness / remains)))
-    if min(falls, 1 - falls) > TREND_LEVEL / 2:
-        return "none"
-    return "falls" if falls > 0.5 else "rises"
+    if min(falls, 1 - falls) <= TREND_LEVEL / 2:
+        return "falls" if falls > 0.5 else "rises"
+    return "unclear" if _widest(values, CONFIDENCE) > np.ptp(values) else "none"
 
 
 def _around(value: float, error: float, half: float, n: int, fraction: bool, least: float) -> Mean:

@@ -68,10 +68,14 @@ def stats(
         tables.append((["energy", "first", "mean", "last"], _energies(found["energies"])))
     if line := last_remark(found["observables"]):
         console.print(line)
-    if any(mean["trend"] != "none" for mean in means["means"].values()):
+    trends = {mean["trend"] for mean in means["means"].values()}
+    if trends & {"rises", "falls"}:
         console.print(
-            f"not stationary in {window}: where the trend is not empty, the mean and its interval "
-            "are of this window alone"
+            f"not stationary in {window}: what rises or falls has a mean of this window alone"
+        )
+    if "unclear" in trends:
+        console.print(
+            f"{window} has too few frames to tell whether what has an unclear trend is stationary"
         )
     for heads, rows in tables:
         print_table(heads, rows, right=True)
