@@ -152,7 +152,7 @@ def _clones(events: dict[str, Any]) -> Iterator[tuple[str, ...]]:
     rest = clones[CLONES:]
     if rest:
         sums = (str(sum(clone[key] for clone in rest)) for key in ("births", "removals", "size"))
-        yield f"{len(rest)} others", "", *sums
+        yield counted(len(rest), "other"), "", *sums
 
 
 def _energies(energies: dict[str, Any]) -> Iterator[tuple[str, ...]]:

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from lammps_skin.analysis.lineage import read_events
-from lammps_skin.analysis.observables import observables
+from lammps_skin.analysis.observables import least, observables
 from lammps_skin.analysis.statistics import mean_in_time
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
@@ -30,6 +30,8 @@ def test_json_is_all_of_it(skin, run):
     expected = mean_in_time(table["height"][2:6])
     assert found["window"]["means"]["height"]["value"] == pytest.approx(expected.value)
     assert found["window"]["frames"] == 4
+    for name in table.dtype.names:
+        assert not (table[name] < least(name)).any(), name
     assert found["events"]["births"] == len(events.of("birth").id) > 0
     (clone,) = found["events"]["clones"]
     assert clone["size"] == 1 + clone["births"] - clone["removals"] == found["events"]["cells"]
