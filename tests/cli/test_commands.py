@@ -18,6 +18,7 @@ from lammps_skin.kinds import Kind
 from lammps_skin.model.parameters import SETS
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
+from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import configuration
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.trajectory.store import Store
@@ -121,6 +122,21 @@ def test_check_measures_what_could_be_left_out():
     assert list(found) == [
         "dermis.frozen_below", "dermis.present", "membrane.exclusion_stiffness",
     ]  # fmt: skip
+    assert 0 < found["dermis.present"] < 1
+
+
+def test_savings_are_measured_with_the_dividing_pairs_of_a_run(tmp_path):
+    from lammps_skin.study.simplifications import measured
+
+    fast = {"cells.cycle_delay": 0.5, "cells.cycle_rate": 2.0, "cells.first_phase": 0.5}
+    scene = Scene.load("one-stem").replace(
+        **fast, **{"membrane.lattice": [24, 28], "end_time": 2.0, "output.dump_interval": 1.0}
+    )
+    with Simulation.begin(scene, tmp_path / "run") as simulation:
+        simulation.run()
+    fork = scene.replace(**{"start.from": str(tmp_path / "run"), "end_time": 9.0})
+    assert Configuration.from_scene(fork).pair.any()
+    found = {next(iter(saving.changes)): saving.time for saving in measured(fork, steps=4)}
     assert 0 < found["dermis.present"] < 1
 
 

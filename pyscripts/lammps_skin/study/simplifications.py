@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
-from lammps_skin.start.configuration import Configuration
+from lammps_skin.start.configuration import PER_PARTICLE, Configuration
 
 QUIET = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
 ROUNDS = 5
@@ -83,10 +84,10 @@ def _started(scene: Scene, start: Configuration) -> Simulation:
 
 def _without_dermis(start: Configuration) -> Configuration:
     kept = start.kinds != Kind.DERMAL
-    return Configuration(
-        box=start.box, kinds=start.kinds[kept], positions=start.positions[kept],
-        links=start.links, hinges=start.hinges, divisions_left=start.divisions_left[kept],
-    )  # fmt: skip
+    place = np.cumsum(kept) - 1  # of each particle among those that are kept
+    names = ("kinds", "ids", "positions", *PER_PARTICLE)
+    arrays = {name: getattr(start, name)[kept] for name in names}
+    return replace(start, links=place[start.links], hinges=place[start.hinges], **arrays)
 
 
 def _seconds(simulation: Simulation, steps: int) -> float:
