@@ -224,7 +224,9 @@ def test_a_scene_file_is_not_endless(refused, tmp_path):
     assert refused("check", "scene.toml") == "scene file scene.toml: has more than 1000000 bytes"
 
 
-@pytest.mark.parametrize("key", ["seed", "end_time", "output.dump_interval", "cells.cycle_delay"])
+@pytest.mark.parametrize(
+    "key", ["seed", "end_time", "output.dump_interval", "cells.cycle_delay", "cells.arrangement"]
+)
 @pytest.mark.parametrize("number", [400 * "9", 5000 * "9", "0x" + 5000 * "f"], ids=[400, 5000, "f"])
 def test_a_number_of_very_many_digits(number, key, refused, tmp_path):
     (tmp_path / "scene.toml").write_text(f"{key} = {number}")

@@ -137,7 +137,8 @@ def first_line(model: type[BaseModel], error: ValidationError, validated: Any = 
     guess = ""
     if problem["type"] == "tuple_type" and _is_model(_below(_annotation(model, parts))):
         what = "must be an array of tables of keys"
-    if problem["type"] == "float_type" and _QUANTITY.fullmatch(str(problem["input"])):
+    value = problem["input"]
+    if problem["type"] == "float_type" and isinstance(value, str) and _QUANTITY.fullmatch(value):
         what = "must be a number, in the reduced units of the model"
     if problem["type"] == "literal_error":
         annotation = _annotation(model, parts)
@@ -178,7 +179,8 @@ def near(word: Any, allowed: Iterable[str], names: Mapping[str, str] | None = No
     names : mapping, optional
         What to call them.
     """
-    found = get_close_matches(str(word)[:100].lower(), list(allowed), n=1)
+    text = word[:100].lower() if isinstance(word, str) else ""
+    found = get_close_matches(text, list(allowed), n=1)
     return f"; did you mean {(names or {}).get(found[0], found[0])}?" if found else ""
 
 
