@@ -49,7 +49,7 @@ FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
   peratom_flag = 1;
   size_peratom_cols = NCOLUMNS;
   peratom_freq = 1;
-  grow_arrays(atom->nmax);
+  FixSkinCells::grow_arrays(atom->nmax);
   atom->add_callback(Atom::GROW);
 }
 

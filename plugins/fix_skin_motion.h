@@ -79,11 +79,11 @@ class FixSkinMotion : public Fix {
   double furthest_listed;    // from where lists were built, in this run, squared
 
   struct Move {
-    double length;
-    int rank;
+    double length = 0.0;
+    int rank = 0;
   };
   Move latest;               // what `furthest` has found last
-  int furthest_particle;              // my particle that moved furthest, or -1
+  int furthest_particle;     // my particle that moved furthest, or -1
   double inverted_time;      // for how long there have been inverted triangles
   bool inverted_at_start;    // since before the first step
 

@@ -50,7 +50,8 @@ std::vector<double> FixSkinMotion::forces_of(const Term &term) const
   if (n) std::fill(atom->f[0], atom->f[0] + n, 0.0);
   term.compute();
   comm->reverse_comm();
-  const double *const f = n ? atom->f[0] : nullptr;
+  if (!n) return {};
+  const double *const f = atom->f[0];
   return std::vector<double>(f, f + 3 * (size_t) atom->nlocal);
 }
 

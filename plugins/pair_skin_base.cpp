@@ -285,7 +285,7 @@ void *PairSkinBase::extract(const char *which, int &dim)
   dim = 2;
   for (int k = 0; k < ncoeffs; k++) {
     const std::string name = names[k].name;
-    if (name.substr(0, name.find(' ')) == which) return coeffs[k];
+    if (name.substr(0, name.find(' ')) == which) return (void *) coeffs[k];
   }
   return nullptr;
 }

@@ -17,17 +17,17 @@ using namespace LAMMPS_NS;
 
 // the version and update that CMake has found
 
-static const std::string COMPILED = SKIN_LAMMPS;
+static const char *const COMPILED = SKIN_LAMMPS;
 
 #ifdef MPI_STUBS
-static const std::string MPI = "none";
+static constexpr const char *MPI = "none";
 #elif defined(OPEN_MPI)
-static const std::string MPI = "Open MPI";
+static constexpr const char *MPI = "Open MPI";
 #else
-static const std::string MPI = "MPICH";
+static constexpr const char *MPI = "MPICH";
 #endif
 
-static const std::string UPDATE = " - Update ";
+static constexpr const char *UPDATE = " - Update ";
 
 static std::string refusal;
 
@@ -64,8 +64,8 @@ static std::string running_version(const LAMMPS *lmp)
   std::string tag = LAMMPS::has_git_info() ? LAMMPS::git_descriptor() : "";
   if (const size_t end = tag.find("-modified"); end != std::string::npos) tag.resize(end);
   if (utils::strmatch(tag, "^stable_\\w+_update\\d+$"))
-    return lmp->version + UPDATE + tag.substr(tag.rfind("update") + 6);
-  if (utils::strmatch(tag, "^stable_\\w+$")) return lmp->version + UPDATE + "0";
+    return std::string(lmp->version) + UPDATE + tag.substr(tag.rfind("update") + 6);
+  if (utils::strmatch(tag, "^stable_\\w+$")) return std::string(lmp->version) + UPDATE + "0";
   return lmp->version;
 }
 
@@ -96,11 +96,11 @@ bool skin_fits(LAMMPS *lmp, void *handle)
   struct Item {
     std::string what, compiled, running;
   };
-  const std::string version = running_version(lmp);
-  const auto told = [](const std::string &text) { return text.find(UPDATE) != std::string::npos; };
-  const bool updates = told(version) && told(COMPILED);
+  const std::string compiled = COMPILED, version = running_version(lmp);
+  const auto told = [](const std::string &text) { return text.find(UPDATE) != text.npos; };
+  const bool updates = told(version) && told(compiled);
   std::vector<Item> items = {
-      {"LAMMPS version", updates ? COMPILED : COMPILED.substr(0, COMPILED.find(" - ")),
+      {"LAMMPS version", updates ? compiled : compiled.substr(0, compiled.find(" - ")),
        updates ? version : lmp->version},
       {"MPI", MPI, running_mpi()},
   };

@@ -75,6 +75,6 @@ bool SkinInverted::collect()
 
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  candidates = found;
+  candidates = std::move(found);
   return true;
 }

@@ -23,8 +23,8 @@ class SkinInverted : protected Pointers {
 
   // the first one that was found: IDs of its corners, cosine of its smallest fold
 
-  std::array<tagint, 3> corner;
-  double cosine;
+  std::array<tagint, 3> corner = {};
+  double cosine = 0.0;
 
  private:
   using Corners = std::array<tagint, 3>;

@@ -19,7 +19,9 @@ inline std::string skin_remedy(const Update *update, Modify *modify, bool at_sta
   if (update->whichflag != 1) return "";
   bool dragged = false;
   for (Fix *fix : modify->get_fix_list())
-    if (const auto *const motion = dynamic_cast<FixSkinMotion *>(fix))
+    if (!fix)
+      continue;
+    else if (const auto *const motion = dynamic_cast<FixSkinMotion *>(fix))
       at_start = at_start || motion->begins_disturbed();
     else if (utils::strmatch(fix->style, "^move"))
       dragged = true;

@@ -163,7 +163,7 @@ CYCLE = "cycle 36 0.083 48"
         ("nd", "type 5 number 0", "nd number = 0: must be an integer >= 1"),
         ("nd", "type 5 number 3", "nd number = 3: is that of kind stem"),
         ("nd", "type 5 kind ta type 3", "ta: there are two kinds of this name"),
-        ("nd", "type 5 kind all type 3", "all: its name must be of letters, digits and underscores"),
+        ("nd", "type 5 kind all type 3", "all: its name must be of letters, digits"),
         ("nd", "type 5 kind a,b type 3", "a,b: its name must be of letters, digits"),
         ("nd", "type 5 law sticky 3", "nd law = sticky: must be bound, adhesive or none"),
         ("nd", "type 5 law bound -25", "nd law bound K = -25: must be a number >= 0"),
