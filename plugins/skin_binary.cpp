@@ -17,7 +17,7 @@ using namespace LAMMPS_NS;
 
 // the version and update that CMake has found
 
-static const char *const COMPILED = SKIN_LAMMPS;
+static const std::string COMPILED = SKIN_LAMMPS;    // NOLINT: it cannot throw
 
 #ifdef MPI_STUBS
 static constexpr const char *MPI = "none";
@@ -96,11 +96,11 @@ bool skin_fits(LAMMPS *lmp, void *handle)
   struct Item {
     std::string what, compiled, running;
   };
-  const std::string compiled = COMPILED, version = running_version(lmp);
+  const std::string version = running_version(lmp);
   const auto told = [](const std::string &text) { return text.find(UPDATE) != text.npos; };
-  const bool updates = told(version) && told(compiled);
+  const bool updates = told(version) && told(COMPILED);
   std::vector<Item> items = {
-      {"LAMMPS version", updates ? compiled : compiled.substr(0, compiled.find(" - ")),
+      {"LAMMPS version", updates ? COMPILED : COMPILED.substr(0, COMPILED.find(" - ")),
        updates ? version : lmp->version},
       {"MPI", MPI, running_mpi()},
   };
