@@ -17,17 +17,17 @@ using namespace LAMMPS_NS;
 
 // the version and update that CMake has found
 
-static const std::string COMPILED = SKIN_LAMMPS;    // NOLINT: it cannot throw
+static const std::string COMPILED = SKIN_LAMMPS;    // NOLINT
 
 #ifdef MPI_STUBS
-static constexpr const char *MPI = "none";
+static const std::string MPI = "none";    // NOLINT
 #elif defined(OPEN_MPI)
-static constexpr const char *MPI = "Open MPI";
+static const std::string MPI = "Open MPI";    // NOLINT
 #else
-static constexpr const char *MPI = "MPICH";
+static const std::string MPI = "MPICH";    // NOLINT
 #endif
 
-static constexpr const char *UPDATE = " - Update ";
+static const std::string UPDATE = " - Update ";    // NOLINT
 
 static std::string refusal;
 
@@ -64,8 +64,8 @@ static std::string running_version(const LAMMPS *lmp)
   std::string tag = LAMMPS::has_git_info() ? LAMMPS::git_descriptor() : "";
   if (const size_t end = tag.find("-modified"); end != std::string::npos) tag.resize(end);
   if (utils::strmatch(tag, "^stable_\\w+_update\\d+$"))
-    return std::string(lmp->version) + UPDATE + tag.substr(tag.rfind("update") + 6);
-  if (utils::strmatch(tag, "^stable_\\w+$")) return std::string(lmp->version) + UPDATE + "0";
+    return lmp->version + UPDATE + tag.substr(tag.rfind("update") + 6);
+  if (utils::strmatch(tag, "^stable_\\w+$")) return lmp->version + UPDATE + "0";
   return lmp->version;
 }
 
@@ -97,7 +97,7 @@ bool skin_fits(LAMMPS *lmp, void *handle)
     std::string what, compiled, running;
   };
   const std::string version = running_version(lmp);
-  const auto told = [](const std::string &text) { return text.find(UPDATE) != text.npos; };
+  const auto told = [](const std::string &text) { return text.find(UPDATE) != std::string::npos; };
   const bool updates = told(version) && told(COMPILED);
   std::vector<Item> items = {
       {"LAMMPS version", updates ? COMPILED : COMPILED.substr(0, COMPILED.find(" - ")),
