@@ -21,9 +21,9 @@ void SkinCellKinds::add(SkinArguments &arguments)
   arguments.need(1);
   SkinCellKind row;
   row.name = arguments.word();
-  if (!utils::is_id(row.name) || row.name == "all")
-    error->all(FLERR, "Fix skin/cells kind {}: its name must be of letters, digits and "
-               "underscores, and not all", row.name);
+  if (row.name.empty() || row.name == "all" || row.name.find(',') != std::string::npos)
+    error->all(FLERR, "Fix skin/cells kind {}: its name must not be empty or all, and have no "
+               "comma", row.name);
   read(arguments, row, true);
   if (!row.type) error->all(FLERR, "Fix skin/cells kind {} needs the keyword type", row.name);
   add(row);
