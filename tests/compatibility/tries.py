@@ -18,6 +18,8 @@ after       lines that come after the run
 balanced    false if other commands create or remove atoms, so that events do not account for all
 atoms       false if there are no atoms to look at in the end
 arguments   command line of LAMMPS
+on_ranks    what the error says on several ranks, if that is something else; "hangs" where LAMMPS
+            itself never ends there, which is not tried
 young       true for the state of time 0, without deaths
 slow        true if it is not for the quick tests
 =========== ======================================================================================
@@ -63,6 +65,7 @@ class Row:
     balanced: bool = True
     atoms: bool = True
     arguments: str = ""
+    on_ranks: str = ""
     young: bool = False
     slow: bool = False
 
