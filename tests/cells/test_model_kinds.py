@@ -20,21 +20,29 @@ def words(**changes: str) -> str:
 
 
 def test_they_do_the_same_as_rows(tmp_path: Path) -> None:
-    """Births, energies, counts and places, to the last bit."""
+    """Births, energies, counts and places, to the last bit; cells that are lifted leave."""
+    lifted = [
+        "group lifted type ta", "set group lifted type/fraction exhausted 0.5 1",
+        "set type exhausted i_divisions_left 0 d_next_division -1",
+        "displace_atoms lifted move 0 0 1.0", "run 8 post no",
+    ]  # fmt: skip
     runs = []
     for name, kinds in (("rows", kind_rows()), ("words", words())):
         fix = fix_line(busy()).replace(kind_rows(), kinds)
         lines = [
             f"fix cells cells {fix} log events.csv", "run 32 post no", f'print "{REPORT}"',
             "write_dump all custom x.dump id type x y z modify sort id format float %.17g",
+            *lifted,
         ]  # fmt: skip
         (tmp_path / name).mkdir()
         counts = told(run_script(tmp_path / name, *lines, scene=busy()))
         runs.append((counts, snapshots(tmp_path / name / "x.dump")[0]["x"].tolist()))
     assert runs[0] == runs[1]
-    births = (tmp_path / "words" / "events.csv").read_text()
-    assert births == (tmp_path / "rows" / "events.csv").read_text()
-    assert births.count(",birth,") >= 5
+    events = (tmp_path / "words" / "events.csv").read_text()
+    assert events == (tmp_path / "rows" / "events.csv").read_text()
+    assert events.count(",birth,") >= 5
+    gone = {row.split(",")[4] for row in events.splitlines() if ",death," in row}
+    assert gone == {"4", "5"}  # TA and exhausted
 
 
 def test_further_kinds_may_be_given_before_and_after(tmp_path: Path) -> None:
