@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from lammps_skin.model import parameters, potentials
 from lammps_skin.model.accuracy import LEVELS
-from lammps_skin.model.cell_kinds import CellKind
+from lammps_skin.model.cell_kinds import ROWS, CellKind
 from lammps_skin.model.interventions import (
     NEEDS,
     RESERVED,
@@ -59,7 +59,7 @@ def value_of(scene: BaseModel, key: str) -> str:
     """Value of a dotted key, as the page writes it."""
     value: Any = scene
     for part in key.split("."):
-        value = getattr(value, part)
+        value = value.get(part, KindKeys()) if isinstance(value, dict) else getattr(value, part)
     return "none" if value is None else f"`{json.dumps(value)}`"
 
 
@@ -123,8 +123,9 @@ def test_parameter_sets() -> None:
     names = re.findall(r"`([\w-]+)`", markdown.split("| --- |")[0].splitlines()[-1])
     assert names == list(parameters.SETS)
     scenes = [Scene.from_dict({"parameters": name}) for name in names]
+    of_kinds = [f"cells.kinds.{row}.{key}" for row in ROWS for key in fields(KindKeys)]
     differing = [
-        key for key in fields(Scene)
+        key for key in [*fields(Scene), *of_kinds]
         if key != "parameters" and len({value_of(scene, key) for scene in scenes}) > 1
     ]  # fmt: skip
     table = {row[0].strip("`"): row[1:] for row in rows(markdown)}

@@ -135,6 +135,21 @@ def test_a_cell_of_a_pair_has_another_stiffness(tmp_path) -> None:
     assert energies["stem"] == pytest.approx(2 * energies["none"])
 
 
+def test_the_force_in_a_pair_is_the_gradient(tmp_path) -> None:
+    """What the stiffness of the pair adds to the force of its TA cell."""
+
+    def told(stiffness: float, above: float) -> tuple[float, float]:
+        keys = {"paired_with": "stem", "paired_stiffness": stiffness}
+        scene = Scene.load("demo").replace(**SMALL, **{"cells.kinds.ta": keys})
+        with Simulation.begin(scene, configuration=pair(scene, 2.0, above)) as simulation:
+            return simulation.energies()["adhesion"], simulation.forces().forces[-1, 2]
+
+    added = told(25.0, 0.2)[1] - told(0.0, 0.2)[1]
+    slope = (told(25.0, 0.2 + 1e-4)[0] - told(25.0, 0.2 - 1e-4)[0]) / 2e-4
+    assert added == pytest.approx(-slope, rel=1e-6)
+    assert added < -0.1
+
+
 def test_a_cell_of_a_pair_may_stay(tmp_path) -> None:
     """Beyond its range, a TA cell leaves its pair, or stays until the pair has ended."""
     ends = {}

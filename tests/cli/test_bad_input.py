@@ -14,7 +14,7 @@ TOP_KEYS = "allowed: name, description, parameters, force_scale, seed, box, box_
 SETTINGS = {
     # keys
     "colour=red": f"colour = 'red': unknown key; {TOP_KEYS}",
-    "cells.sede=3": "cells.sede = 3: unknown key; allowed: stem, nd, arrangement, seed, radius",
+    "cells.sede=3": "cells.sede = 3: unknown key; allowed: stem, nd, arrangement, ring_radius",
     "output.dump=3": "output.dump = 3: unknown key; allowed: thermo_interval, dump_interval",
     "cells=5": "cells = 5: must be a table of keys",
     "membrane.lattice.x=3": "membrane.lattice.x = 3: lattice has no keys",
@@ -47,7 +47,9 @@ SETTINGS = {
     "dermis.volume_fraction=2": "dermis.volume_fraction = 2: must be less than or equal to 1.5",
     "numerics.table_points=10": "numerics.table_points = 10: must be greater than or equal to 100",
     "box_height=1e5": "box_height = 100000.0: must be less than or equal to 10000",
+    "cells.ring_radius=0.5": "cells.ring_radius = 0.5: must be less than 0.5",
     # choices
+    "dermis.packing=hexagonal": "dermis.packing = 'hexagonal': must be 'random' or 'cubic'",
     "parameters=paper": "parameters = 'paper': must be one of printed, papilla, weak5, direct5",
     "force_scale=half": "force_scale = 'half': must be 'printed' or 'direct'",
     "cells.arrangement=spiral": "cells.arrangement = 'spiral': must be 'ring', 'cluster', 'random'",
@@ -98,7 +100,7 @@ def test_positions_that_noise_spoils_are_named(refused):
 @pytest.mark.parametrize(
     ("arrangement", "stem", "nd", "why"),
     [
-        ("ring", 10, 0, "two would be 2.225 apart, below 2 R_c = 2.8"),
+        ("ring", 10, 0, "two would be 2.225 apart, below 2 R_c = 2.8, with cells.ring_radius"),
         ("cluster", 40, 0, "there is room for 21 at most"),
         ("cluster", 21, 0, "two would be"),
         ("random", 21, 0, "at random only 1"),
@@ -132,6 +134,9 @@ def test_a_dermis_needs_a_possible_number_of_particles(refused):
         "dermis: radius 1.4 and volume_fraction 1e-09 give 0 particles; must be 1 to 10,000,000"
     )
     assert many.startswith("dermis: radius 0.001 and volume_fraction 0.64 give 475,")
+    cubic = ("--set", "dermis.packing=cubic")
+    many = refused("check", "one-stem", "--set", "dermis.radius=0.001", *cubic)
+    assert many.startswith("dermis: radius 0.001 and cubic packing give 389,")
 
 
 # ---- scene files

@@ -236,6 +236,7 @@ def parameters_of(scene: Scene, term: str = "wall") -> Parameters:
     return Parameters(
         R_d=d.radius, R_m=m.radius, R_c=c.radius, Kdm=d.membrane_stiffness, Kdd=d.stiffness,
         Kex=exclusion.get(term, 0.0), Kstr=m.stretch_stiffness, Kbend=m.bending_stiffness,
+        bending_form=m.bending_form,
         Kad=c.adhesion_stiffness, Kbind=c.binding_stiffness, Kcc=c.cell_adhesion_stiffness,
         Kdiv=c.division_stiffness, d1=d.softening_onset, d2=m.spacing_ratio,
         Lambda=d.attraction_range, lam=c.adhesion_range, a1=d.softening, a2=m.elasticity,

@@ -74,6 +74,7 @@ def named(name: str) -> Parameters:
         "direct5": replace(length, Kad=5.0, force_scale="direct"),
         "earlier": earlier,
         "earlier-stiff": replace(earlier, Kbend=10.0),
+        "earlier-full": replace(earlier, bending_form="diverging"),
     }
     if name not in sets:
         raise ValueError(f"parameter set {name!r} is not one of {', '.join(sets)}")

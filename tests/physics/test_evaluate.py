@@ -99,6 +99,17 @@ def test_reference(name: str) -> None:
         assert nearest[n][1] == pytest.approx(distance, abs=1e-9)
 
 
+@pytest.mark.parametrize("name", REFERENCE_SETS)
+def test_reference_in_the_styles_of_the_plugin(name: str) -> None:
+    """No term is a table: all energies and forces are the reference's."""
+    parameters, changes = REFERENCE_SETS[name]
+    got = evaluate(SMALL, parameters, {**changes, "numerics.pair_form": "skin"})
+    energies, _, forces, _ = parse("\n".join(got.lines()))
+    their = parse((REFERENCE / f"small_{name}.forces").read_text())
+    assert energies == pytest.approx(their[0], rel=1e-10, abs=1e-15)
+    np.testing.assert_allclose(forces, their[2], rtol=0, atol=1e-9)
+
+
 def test_reference_without_tables() -> None:
     """With the terms that are tables switched off, all forces are exact."""
     got = evaluate(SMALL, "papilla", NO_TABLES)

@@ -105,7 +105,7 @@ def test_folded_membrane_runs_backwards() -> None:
     ("name", "parameters"),
     [
         *product(SCENES, ("papilla",)),
-        *((FULL, name) for name in ("direct5", "printed", "weak5")),
+        *((FULL, name) for name in ("direct5", "printed", "weak5", "earlier")),
         *(
             pytest.param(*case, marks=pytest.mark.slow)
             for case in product(SCENES, ("direct5", "printed")) if case[0] != FULL

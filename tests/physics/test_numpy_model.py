@@ -27,7 +27,7 @@ REFERENCE_SETS = {
     "V1_lam1.4_Kad25": replace(named("printed"), division_spring="length"),
     "V1_lam1.2_Kad25": named("papilla"),
     "V2_lam1.4_Kad5": named("direct5"),
-    "V2_lam1.2_Kad5": replace(named("direct5"), lam=1.2),
+    "V2_lam1.2_Kad5": named("earlier"),
 }
 REFERENCE_TERMS = {
     "dm": "dermis_membrane",

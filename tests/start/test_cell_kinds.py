@@ -113,6 +113,18 @@ REFUSED: dict[str, tuple[dict[str, object], str]] = {
 }  # fmt: skip
 
 
+def test_what_a_set_says_of_pairs_can_be_taken_away() -> None:
+    plain, full = scene(parameters="earlier"), scene(parameters="earlier-full")
+    alone = full.replace(**{"cells.kinds.ta.paired_with": "none"})
+    assert full.cell_table["ta"].paired_with == "stem"
+    assert alone.cell_table["ta"].paired_with is None
+    said = [Terms.of(one).kind(one.cell_table["ta"], ["stem", "ta"]) for one in (plain, alone)]
+    assert said[0] | {"cycle": said[1]["cycle"]} == said[1]  # whose first phases are 0
+    softer = full.replace(**{"cells.kinds.ta.paired_stiffness": 9.0})
+    assert softer.cell_table["ta"].paired_with == "stem"
+    assert softer.cell_table["ta"].paired_stiffness == 9.0
+
+
 @pytest.mark.parametrize("fault", REFUSED)
 def test_refused(fault: str) -> None:
     changes, text = REFUSED[fault]

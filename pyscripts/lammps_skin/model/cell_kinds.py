@@ -266,9 +266,11 @@ def _of_row(label: str, row: KindKeys, table: Mapping[str, CellKind]) -> Iterato
         yield f"{place}.after_last = '{row.after_last}': needs generations, or none is the last"
     if (row.paired_with or NONE) != NONE and row.paired_stiffness is None:
         yield f"{place}.paired_with = '{row.paired_with}': needs paired_stiffness"
-    if row.paired_stiffness is not None and kind.paired_with is None:
+    if row.paired_stiffness is None or row.paired_with == NONE:
+        return
+    if kind.paired_with is None:
         yield f"{place}.paired_stiffness = {row.paired_stiffness:g}: needs paired_with"
-    if row.paired_stiffness is not None and kind.adhesion == "none":
+    if kind.adhesion == "none":
         yield f"{place}.paired_stiffness = {row.paired_stiffness:g}: its adhesion is 'none'"
 
 

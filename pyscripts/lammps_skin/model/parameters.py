@@ -25,6 +25,19 @@ SETS: dict[str, dict[str, Any]] = {
         "cells": EARLIER_CELLS,
         "membrane": {"bending_stiffness": 10.0},
     },
+    "earlier-full": {
+        "force_scale": "direct",
+        "dermis": {"packing": "cubic"},
+        "membrane": {"bending_form": "diverging"},
+        "cells": {
+            **EARLIER_CELLS,
+            "ring_radius": 0.25,
+            "first_phase": 0.0,
+            "removal_in_pair": False,
+            "division_distance": 0.9,
+            "kinds": {"ta": {"paired_with": "stem", "paired_stiffness": 25.0}},
+        },
+    },
 }
 
 SUMMARIES = {
@@ -34,4 +47,5 @@ SUMMARIES = {
     "direct5": "weak5 with direct forces",
     "earlier": "direct5, adhesion range 1.2: the mechanics of the authors' earlier program",
     "earlier-stiff": "earlier, bending stiffness 10: that of later work of the authors' group",
+    "earlier-full": "earlier, and that program's fold term, rules of dividing pairs and start",
 }

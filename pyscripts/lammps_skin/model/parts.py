@@ -71,7 +71,10 @@ class Dermis(Part):
     attraction_range: AboveOne = Field(1.4, description="Lambda")
     softening: NotNegative = Field(0.125, description="a1")
     softening_onset: Fraction = Field(0.8, description="d1")
-    volume_fraction: Annotated[float, Field(gt=0, le=1.5)] = 0.64
+    packing: Literal["random", "cubic"] = Field("random", description="of the spheres at the start")
+    volume_fraction: Annotated[float, Field(gt=0, le=1.5)] = Field(
+        0.64, description="of the random packing"
+    )
     frozen_below: NotNegative = Field(0.0, description="spheres that start lower are held")
     seed: Seed | None = Field(None, description="of the packing; the scene's seed if not given")
 
@@ -123,6 +126,7 @@ class Cells(Part):
     stem: Count = 0
     nd: Count = 0
     arrangement: Literal["ring", "cluster", "random", "core", "alternating", "halves"] = "ring"
+    ring_radius: Annotated[float, Field(gt=0, lt=0.5)] = Field(0.3, description="over L_x")
     seed: Seed | None = Field(None, description="of schedules and directions")
     radius: Positive = Field(1.4, description="R_c")
     exclusion_stiffness: NotNegative = Field(0.04, description="K of cell-cell exclusion")

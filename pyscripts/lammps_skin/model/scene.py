@@ -54,9 +54,9 @@ class Scene(Part):
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,63}$")] = "scene"
     description: str = ""
-    parameters: Literal["printed", "papilla", "weak5", "direct5", "earlier", "earlier-stiff"] = (
-        "papilla"
-    )
+    parameters: Literal[
+        "printed", "papilla", "weak5", "direct5", "earlier", "earlier-stiff", "earlier-full"
+    ] = "papilla"
     force_scale: Literal["printed", "direct"] = "printed"
     seed: Seed = 1
     box: tuple[Positive, Positive] | None = Field(

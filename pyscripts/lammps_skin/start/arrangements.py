@@ -11,9 +11,9 @@ from lammps_skin.errors import SceneError
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 
-RING_RADIUS = 0.3  # of L_x
 PLACEMENT_STREAM = 101  # keeps these random numbers apart from others of the same seed
 TRIES_PER_CELL = 2000
+WITH_RING = ("ring", "core", "alternating")  # arrangements
 
 
 def place_cells(scene: Scene) -> dict[Kind, Floats]:
@@ -24,6 +24,7 @@ def place_cells(scene: Scene) -> dict[Kind, Floats]:
     """
     cells = scene.cells
     lx, ly, _ = scene.box_sides
+    radius = cells.ring_radius * lx
     centre = np.array([lx / 2, ly / 2])
     most = int(lx * ly / (2 * math.sqrt(3) * cells.radius**2))
     count, nd = scene.cell_count, cells.nd
@@ -36,9 +37,9 @@ def place_cells(scene: Scene) -> dict[Kind, Floats]:
     elif cells.arrangement == "cluster":
         places = _cluster(count, scene) + centre
     elif cells.arrangement == "ring":
-        places = _ring(count, RING_RADIUS * lx) + centre
+        places = _ring(count, radius) + centre
     elif cells.arrangement == "core":
-        places = np.concatenate([_ring(others, RING_RADIUS * lx), _cluster(nd, scene)]) + centre
+        places = np.concatenate([_ring(others, radius), _cluster(nd, scene)]) + centre
     elif cells.arrangement == "alternating":
         places = np.concatenate(_alternating(others, scene)) + centre
     else:
@@ -68,7 +69,7 @@ def _ring(count: int, radius: float, turn: float = 0.0) -> Floats:
 
 def _alternating(count: int, scene: Scene) -> tuple[Floats, Floats]:
     """One ring where there is room for all, else a zigzag of two rings 2 R_c apart."""
-    radius, diameter = RING_RADIUS * scene.box_sides[0], 2 * scene.cells.radius
+    radius, diameter = scene.cells.ring_radius * scene.box_sides[0], 2 * scene.cells.radius
     offset = 0.0 if 2 * radius * math.sin(np.pi / (2 * count)) >= diameter else diameter / 2
     return _ring(count, radius - offset), _ring(count, radius + offset, turn=0.5)
 
@@ -110,11 +111,10 @@ def _check_room(scene: Scene, places: Floats) -> None:
     for n in range(1, len(places)):
         closest = _distances(places[:n], places[n], sides).min()
         if closest < diameter * (1 - 1e-9):
-            raise SceneError(
-                _does_not_fit(
-                    scene, f"two would be {closest:.4g} apart, below 2 R_c = {diameter:g}"
-                )
-            )
+            why = f"two would be {closest:.4g} apart, below 2 R_c = {diameter:g}"
+            if scene.cells.arrangement in WITH_RING:
+                why += f", with cells.ring_radius = {scene.cells.ring_radius:g}"
+            raise SceneError(_does_not_fit(scene, why))
 
 
 def _does_not_fit(scene: Scene, why: str) -> str:

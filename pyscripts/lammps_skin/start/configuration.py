@@ -411,8 +411,10 @@ def check_sizes(scene: Scene, box: Sequence[float] | Floats) -> None:
             f"{ranges[term]:g} of {term} and two of numerics.neighbor_skin = {skin:g}"
         )
     if scene.dermis.present and not 1 <= dermal_count(scene) <= MOST_DERMAL:
+        dermis = scene.dermis
+        how = f"volume_fraction {dermis.volume_fraction:g}"
+        how = "cubic packing" if dermis.packing == "cubic" else how
         raise SceneError(
-            f"dermis: radius {scene.dermis.radius:g} and volume_fraction "
-            f"{scene.dermis.volume_fraction:g} give {dermal_count(scene):,} particles; "
+            f"dermis: radius {dermis.radius:g} and {how} give {dermal_count(scene):,} particles; "
             f"must be 1 to {MOST_DERMAL:,}"
         )

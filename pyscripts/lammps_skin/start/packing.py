@@ -1,4 +1,4 @@
-"""Random packing of the dermis between the wall and the membrane."""
+"""Packing of the dermis between the wall and the membrane."""
 
 from __future__ import annotations
 
@@ -26,11 +26,17 @@ CLOSEST_PACKING = math.pi / math.sqrt(18)
 
 
 def dermal_count(scene: Scene, membrane: Floats | None = None) -> int:
-    """Number of spheres at the scene's volume fraction between the wall and the membrane.
+    """Number of spheres between the wall and the membrane.
 
-    The membrane (m, 3) takes a layer of the thickness R_m. Without one, it is flat.
+    A random packing has the scene's volume fraction. The membrane (m, 3) takes a layer of the
+    thickness R_m. Without one, it is flat.
     """
     lx, ly, _ = scene.box_sides
+    if scene.dermis.packing == "cubic":
+        if membrane is not None:
+            return len(_cubic(scene, membrane))
+        room = scene.membrane_height - scene.membrane.radius
+        return math.prod(_columns(scene)) * round(room / (2 * scene.dermis.radius))
     if membrane is None:
         volume = lx * ly * (scene.membrane_height - scene.membrane.radius)
     else:
@@ -51,24 +57,53 @@ def surface(scene: Scene, membrane: Floats) -> float:
 def pack_dermis(scene: Scene, membrane: Floats) -> Floats:
     """Relaxed centres (n, 3) of the dermal spheres under a membrane (m, 3) that is held.
 
-    Uniform random centres are pushed apart by a soft potential and then relaxed in the true
-    forces, by LAMMPS' minimiser, until the largest force component is below `FORCE_TOLERANCE`.
-    The result depends on the membrane and the scene's dermis seed alone.
+    Uniform random centres, or those of a cubic packing under heights, are pushed apart by a soft
+    potential. All are then relaxed in the true forces, by LAMMPS' minimiser, until the largest
+    force component is below `FORCE_TOLERANCE`. The result depends on the membrane and, if it is
+    random, on the scene's dermis seed alone.
     """
     is_flat = not np.ptp(membrane[:, 2])
+    is_cubic = scene.dermis.packing == "cubic"
     count = dermal_count(scene, None if is_flat else membrane)
+    first = _cubic(scene, membrane) if is_cubic else _drawn(scene, membrane, count)
     lx, ly, _ = scene.box_sides
     with tempfile.TemporaryDirectory() as folder:
         engine = open_lammps(["-log", "none"])
         try:
-            _set_up(engine, scene, _drawn(scene, membrane, count), membrane)
-            _push_apart(engine, scene, is_flat)
+            _set_up(engine, scene, first, membrane)
+            if not (is_cubic and is_flat):
+                _push_apart(engine, scene, is_flat)
             _relax(engine, scene, Path(folder))
             positions = np.array(engine.gather_atoms("x", 1, 3)).reshape(-1, 3)[:count]
         finally:
             engine.close()
     positions[:, :2] %= [lx, ly]
     return np.asarray(positions)
+
+
+def _columns(scene: Scene) -> tuple[int, int]:
+    """Columns of a cubic packing along x and y: as many as fit side by side in the periodic box."""
+    lx, ly, _ = scene.box_sides
+    nx, ny = (math.floor(side / (2 * scene.dermis.radius) + 1e-9) for side in (lx, ly))
+    return nx, ny
+
+
+def _cubic(scene: Scene, membrane: Floats) -> Floats:
+    """Centres (n, 3) of spheres in columns on a square lattice under the membrane (m, 3).
+
+    Each column has the number of spheres with which their distance is next to 2 R_d. They are
+    spread evenly between the wall and the membrane's lower side.
+    """
+    from scipy.spatial import cKDTree
+
+    sides, columns = np.array(scene.box_sides[:2]), _columns(scene)
+    places = (np.indices(columns).reshape(2, -1).T + 0.5) * sides / columns
+    sheet = cKDTree(membrane[:, :2] % sides, boxsize=sides)
+    room = membrane[sheet.query(places)[1], 2] - scene.membrane.radius
+    layers = np.rint(room / (2 * scene.dermis.radius)).astype(int)
+    layer = np.concatenate([np.arange(count) for count in layers])
+    z = (layer + 0.5) * np.repeat(room / layers, layers)
+    return np.column_stack([np.repeat(places, layers, axis=0), z])
 
 
 def _drawn(scene: Scene, membrane: Floats, count: int) -> Floats:
