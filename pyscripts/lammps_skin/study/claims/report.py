@@ -15,7 +15,7 @@ from lammps_skin.errors import SkinError
 from lammps_skin.files import atomic_write
 from lammps_skin.study.claims.catalogue import ND, judge_all
 from lammps_skin.study.claims.rules import CONFIDENCE, FEWEST_SEEDS, Finding, Verdict
-from lammps_skin.study.claims.tables import Ensemble, layer_remarks, load, settings
+from lammps_skin.study.claims.tables import Ensemble, Window, layer_remarks, load, settings
 from lammps_skin.study.tradeoff.report import Text, csv_text, markdown_table
 
 LEVELS = ("chi_H", "chi_G", "zeta", "sigma")
@@ -88,7 +88,7 @@ def verdicts_table(report: Report) -> Text:
     rows = [
         [
             str(one.claim.number), one.claim.sentence, one.word,
-            "; ".join(filter(None, (one.parts, one.notes))), _weakest(one.weakest),
+            "; ".join(filter(None, (one.parts, one.notes))), weakest(one.weakest),
         ]
         for one in report.verdicts
     ]  # fmt: skip
@@ -101,7 +101,7 @@ def findings_table(findings: Iterable[Finding]) -> Text:
     rows = [
         [
             f"({one.part})" if one.condition else one.part, one.statistic, one.scenes,
-            str(one.when), _interval(one.value), str(one.claimed), _said(one),
+            str(one.when), interval(one.value), str(one.claimed), _said(one),
         ]
         for one in findings
     ]  # fmt: skip
@@ -135,14 +135,18 @@ def _levels(one: Ensemble, suffix: str, kind: str) -> Iterator[str]:
 
 
 def _level(one: Ensemble, column: str, other: str = "") -> str:
-    """Late mean of a column, or less that of another one, with its interval over seeds."""
-    values = one.mean(column, one.late) - (one.mean(other, one.late) if other else 0.0)
+    return interval(level(one, column, one.late, other))
+
+
+def level(one: Ensemble, column: str, window: Window, other: str = "") -> Mean:
+    """Mean of a column over a window, or less that of another one, with its interval over seeds."""
+    values = one.mean(column, window)
     if other:
-        return _interval(mean(values))
-    return _interval(mean(values, fraction=is_fraction(column), least=least(column)))
+        return mean(values - one.mean(other, window))
+    return mean(values, fraction=is_fraction(column), least=least(column))
 
 
-def _interval(value: Mean) -> str:
+def interval(value: Mean) -> str:
     """Mean and interval; the mean alone of one seed."""
     digits = 2 if abs(value.value) < 10 else 0 if abs(value.value) >= 100 else 1
     middle, low, high = (f"{number:.{digits}f}" for number in (value.value, value.low, value.high))
@@ -155,12 +159,13 @@ def _said(finding: Finding) -> str:
     return "-" if math.isnan(finding.value.low) else finding.outcome()
 
 
-def _weakest(one: Finding | None) -> str:
+def weakest(one: Finding | None) -> str:
+    """A finding in words: what was measured, and whether it is as claimed."""
     if one is None or math.isnan(one.value.low):
         return ""
     is_not = "" if one.outcome() == "yes" else "not "
     place = f"{one.statistic}, {one.scenes}, t = {one.when}"
-    return f"{place}: {_interval(one.value)}, {is_not}{one.claimed}"
+    return f"{place}: {interval(one.value)}, {is_not}{one.claimed}"
 
 
 # ---- files
@@ -251,17 +256,22 @@ def _finite(value: Any) -> Any:
 FORMATS = {".md": markdown, ".csv": _csv, ".json": _json}
 
 
-def check_names(paths: Iterable[Path]) -> None:
-    """Raise `SkinError` for a name whose suffix is none of `FORMATS`."""
+def check_names(paths: Iterable[Path], suffixes: Iterable[str] = FORMATS) -> None:
+    """Raise `SkinError` for a name that ends in none of the suffixes."""
     for path in paths:
-        if path.suffix not in FORMATS:
-            raise SkinError(f"output {path}: its name must end in one of {', '.join(FORMATS)}")
+        if path.suffix not in suffixes:
+            raise SkinError(f"output {path}: its name must end in one of {', '.join(suffixes)}")
 
 
 def write(found: list[Report], folder: Path, path: Path) -> None:
     """Write verdicts in the format that the suffix of a name says; see `check_names`."""
+    write_text(path, FORMATS[path.suffix](found, folder))
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file when it is complete; raises `SkinError` if it cannot be written."""
     try:
         with atomic_write(path) as place:
-            place.write_text(FORMATS[path.suffix](found, folder), "utf-8")
+            place.write_text(text, "utf-8")
     except OSError as error:
         raise SkinError(f"output {path}: {error.strerror}") from None

@@ -15,7 +15,7 @@ import numpy as np
 
 from lammps_skin.analysis.basal_layer import COVERED, LAYER
 from lammps_skin.analysis.observables import Table, read_table
-from lammps_skin.analysis.statistics import mean
+from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SkinError
 from lammps_skin.model.scenes import ARRANGEMENTS, BUILT_IN, SIZES
@@ -94,6 +94,19 @@ class Ensemble:
             self._means[column, window] = window_means(self.table, column, *window)
         return self._means[column, window]
 
+    def none_below(self) -> dict[Window, Mean]:
+        """Fraction of the cells with no other cell straight below, while they cover the membrane.
+
+        In each of the windows; empty without the column.
+        """
+        if "none_below" not in (self.table.dtype.names or ()):
+            return {}
+        covered = self.table[self.table["coverage"] >= COVERED]
+        return {
+            window: mean(window_means(covered, "none_below", *window), fraction=True)
+            for window in self.windows
+        }
+
     def first_time(self, column: str, level: float) -> Floats:
         """First time (s,) at which a column reaches a level; that of the last frame if never."""
         reached = self.table[column] >= level
@@ -135,19 +148,24 @@ def settings(size: str, ensembles: Mapping[str, Ensemble]) -> dict[str, list[str
     """What was given beside the built-in scenes, in words: the scenes with which it was."""
     found: dict[str, list[str]] = {}
     for scene, ensemble in ensembles.items():
-        own = dict(_flat(ensemble.given))
-        usual = {"name": f"{size}-{scene}", **dict(_flat(BUILT_IN[f"{size}-{scene}"]))}
-        words = [
-            f"{key} = {json.dumps(own[key])}" for key in sorted(own) if own[key] != usual.get(key)
-        ]
-        found.setdefault(", ".join(words) or "not known", []).append(scene)
+        own = set_keys(size, ensemble)
+        words = ", ".join(f"{key} = {json.dumps(own[key])}" for key in sorted(own))
+        found.setdefault(words or "not known", []).append(scene)
     return found
 
 
-def _flat(keys: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+def set_keys(size: str, ensemble: Ensemble) -> dict[str, Any]:
+    """What was given beside the built-in scene, by dotted keys; nothing if that is not known."""
+    name = f"{size}-{ensemble.scene}"
+    usual = {"name": name, **dict(flat(BUILT_IN[name]))}
+    return {key: value for key, value in flat(ensemble.given) if value != usual.get(key)}
+
+
+def flat(keys: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted keys of nested ones, with their values."""
     for key, value in keys.items():
         if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{key}.")
+            yield from flat(value, f"{prefix}{key}.")
         else:
             yield prefix + key, value
 
@@ -156,15 +174,10 @@ def layer_remarks(ensembles: Mapping[str, Ensemble]) -> list[str]:
     """Which tissues are no basal layer once they cover the membrane, and of which it is unknown."""
     remarks, unknown = [], []
     for scene, ensemble in ensembles.items():
-        table = ensemble.table
-        if "none_below" not in (table.dtype.names or ()):
+        values = ensemble.none_below()
+        if not values:
             unknown.append(scene)
             continue
-        covered = table[table["coverage"] >= COVERED]
-        values = {
-            window: mean(window_means(covered, "none_below", *window), fraction=True)
-            for window in ensemble.windows
-        }
         lowest = min(values, key=lambda window: np.nan_to_num(values[window].value, nan=1.0))
         if values[lowest].value < LAYER:
             remarks.append(
