@@ -18,6 +18,7 @@ help:
 	@echo "make lint      ruff and mypy"
 	@echo "make tidy      clang-tidy and all warnings of the compiler on the plugin"
 	@echo "make sanitize  the tests of the plugin under AddressSanitizer and UBSan"
+	@echo "make pages     the tables, pictures and generated pages of docs/: a night on two cores"
 	@echo "make clean     remove the virtual environment, builds and caches, but no runs"
 	@echo "Variables: PYTHON=$(PYTHON), the interpreter; VENV=$(VENV), the virtual environment"
 
@@ -56,6 +57,8 @@ sanitize: $(INSTALLED)
 	  ASAN_OPTIONS=detect_leaks=0:quarantine_size_mb=1 UBSAN_OPTIONS=print_stacktrace=1 \
 	  $(BIN)/python -m pytest -n auto --maxprocesses 4 \
 	  -k "not memory_behind" tests/physics tests/cells tests/motion tests/reliability
+
+include docs/pages.mk
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache

@@ -1,0 +1,179 @@
+# What makes the tables and pictures of docs/: a row for each, with its command and its inputs.
+# `make pages` makes all of them. Runs are kept in $(RUNS). What is there for the same content is not
+# run again, and a `make pages` that was stopped goes on; to begin from nothing, remove $(RUNS).
+
+RUNS := runs/pages
+JOBS ?= 2
+SKIN := OMP_NUM_THREADS=1 $(BIN)/skin
+REDUCED = $(BIN)/python docs/pages.py reduce
+MADE :=
+
+SCENES := ring cluster random nd-a nd-b nd-c nd-d
+QUARTER := $(SCENES:%=quarter-%)
+THREE := quarter-ring quarter-nd-b quarter-nd-d
+TWO := quarter-ring quarter-nd-b
+
+# ---- tables of ensembles: folder in docs/data, scenes, seeds, options
+# `skin ensemble` itself knows which runs are there, so it is always asked.
+
+define ensemble
+MADE += $(2:%=docs/data/$(1)%.csv.gz)
+$(2:%=docs/data/$(1)%.csv.gz) &: $(INSTALLED) always
+	mkdir -p docs/data/$(1)
+	rm -f $(2:%=$(RUNS)/data/$(1)%.csv.gz)
+	$(SKIN) ensemble $(2) --seeds $(3) --jobs $(JOBS) $(4) -o $(RUNS)/data/$(1)
+	cp $(2:%=$(RUNS)/data/$(1)%.csv.gz) docs/data/$(1)
+endef
+row = $(eval $(call ensemble,$(1),$(2),$(3),$(4)))
+
+$(call row,,$(QUARTER),1-8,)
+$(call row,,$(SCENES:%=paper-%),1,)
+
+# the readings of docs/readings.md; that of the default is above
+FIFTEEN := --set cells.generations=15
+ENDLESS := --set cells.generations=endless
+$(call row,readings/weak5-10/,$(THREE),1-8,--parameters weak5)
+$(call row,readings/direct5-10/,$(THREE),1-8,--parameters direct5)
+$(call row,readings/earlier-10/,$(THREE),1-8,--parameters earlier)
+$(call row,readings/earlier-15/,$(THREE),1-8,--parameters earlier $(FIFTEEN))
+$(call row,readings/earlier-endless/,$(THREE),1-8,--parameters earlier $(ENDLESS))
+$(call row,readings/earlier-full-10/,$(THREE),1-8,--parameters earlier-full)
+$(call row,readings/earlier-full-15/,$(THREE),1-8,--parameters earlier-full $(FIFTEEN))
+$(call row,readings/earlier-stiff-10/,$(QUARTER),1-8,--parameters earlier-stiff)
+$(call row,readings/earlier-stiff-15/,$(QUARTER),1-8,--parameters earlier-stiff $(FIFTEEN))
+$(call row,readings/earlier-stiff-endless/,$(THREE),1-8,--parameters earlier-stiff $(ENDLESS))
+$(call row,readings/bending-2/,$(TWO),1-4,--parameters earlier --set membrane.bending_stiffness=2.0)
+$(call row,readings/bending-5/,$(TWO),1-4,--parameters earlier --set membrane.bending_stiffness=5.0)
+$(call row,readings/bending-20/,$(TWO),1-4,--parameters earlier --set membrane.bending_stiffness=20.0)
+$(call row,readings/long/,$(TWO),1-4,--parameters earlier-stiff --set end_time=4000.0)
+
+TABLES := $(MADE)
+
+# ---- pages that the tables make
+
+MADE += docs/ensembles.md docs/readings.md docs/figures/readings.png
+docs/ensembles.md: $(TABLES)
+	$(SKIN) claims docs/data -o $@
+docs/readings.md docs/figures/readings.png &: $(TABLES)
+	$(SKIN) claims docs/data docs/data/readings/* -o docs/readings.md -o docs/figures/readings.png
+
+# ---- runs that are looked at, or from which measurements begin: directory in $(RUNS), options
+
+define run
+$(RUNS)/$(1).done: $(INSTALLED)
+	$(SKIN) run $(2) -o $(RUNS)/$(1) --force
+	@touch $$@
+endef
+directory = $(eval $(call run,$(1),$(2)))
+STATE := --set output.dump_interval=0.0
+
+$(call directory,quarter-ring,quarter-ring)
+$(call directory,wound,wound)
+$(call directory,papilla,$(RUNS)/papilla.toml)
+$(call directory,paper-ring,paper-ring)
+$(call directory,reference,paper-ring --set numerics.accuracy=reference)
+$(call directory,crowded,quarter-ring --set end_time=450.0 $(STATE))
+$(call directory,crowded-paper,paper-ring --set end_time=450.0 $(STATE))
+COMMA := ,
+$(call directory,sixteenth,quarter-ring --set 'membrane.lattice=[50$(COMMA)58]' --set cells.stem=4 --set end_time=400.0)
+
+# ---- pictures: docs/figures.md, docs/reproduction.md, docs/interventions.md, docs/start.md
+
+QUICK := figure-3-quick figure-5-quick figure-6-quick
+COURSES := $(QUICK:%=docs/figures/%.png)
+MADE += docs/figures/figure-1.png $(COURSES)
+docs/figures/figure-1.png: $(INSTALLED)
+	$(SKIN) figure 1 -o docs/figures
+$(COURSES): docs/figures/figure-%-quick.png: $(TABLES)
+	$(SKIN) figure $* --quick --data docs/data -o docs/figures
+
+OF_RUNS := docs/figures/figure-2.png docs/figures/figure-2-quick.png docs/figures/figure-4-quick.png
+MADE += $(OF_RUNS)
+$(OF_RUNS): $(INSTALLED)
+	$(SKIN) figure $(word 2,$(subst -, ,$(basename $(@F)))) $(if $(findstring quick,$@),--quick) --data $(RUNS)/shown --jobs $(JOBS) --yes -o docs/figures
+	$(REDUCED) $@
+
+SEEN := cells-t600 stem-t1000 height-t600 section-t1000
+MADE += $(SEEN:%=docs/figures/%.png)
+docs/figures/cells-t600.png: VIEW := --time 600
+docs/figures/stem-t1000.png: VIEW := --time 1000 --show stem
+docs/figures/height-t600.png: VIEW := --time 600 --view height
+docs/figures/section-t1000.png: VIEW := --time 1000 --view section
+$(SEEN:%=docs/figures/%.png): $(RUNS)/quarter-ring.done
+	$(SKIN) snapshot $(RUNS)/quarter-ring $(VIEW) -o $@
+	$(REDUCED) $@
+
+MADE += docs/figures/wound.png docs/figures/papilla-start.png
+docs/figures/wound.png: $(RUNS)/wound.done
+	$(BIN)/python docs/pages.py moments $(RUNS)/wound $@ 290 300 350
+docs/figures/papilla-start.png: $(RUNS)/papilla.done
+	$(SKIN) snapshot $(RUNS)/papilla --time 0 --view section --y 10 -o $@
+$(RUNS)/papilla.done: $(RUNS)/papilla.toml
+$(RUNS)/papilla.toml: docs/start.md
+	mkdir -p $(RUNS)
+	$(BIN)/python docs/pages.py papilla $< $(RUNS)
+
+# ---- measurements of numerics: docs/accuracy.md, docs/stability.md
+
+TRADEOFF := docs/data/tradeoff-quarter-ring
+MADE += $(TRADEOFF).csv $(TRADEOFF)-orders.csv $(TRADEOFF)-ensemble.csv $(TRADEOFF).png
+$(TRADEOFF).csv $(TRADEOFF)-orders.csv $(TRADEOFF)-ensemble.csv $(TRADEOFF).png &: $(RUNS)/crowded.done
+	$(SKIN) tradeoff quarter-ring --interval 2 --from $(RUNS)/crowded --seeds 1-8 --jobs $(JOBS) --windows 300-600,800-1000 --data $(RUNS)/levels -o $(RUNS)/tradeoff
+	for file in $(RUNS)/tradeoff/quarter-ring*.csv $(RUNS)/tradeoff/quarter-ring.png; do cp $$file docs/data/tradeoff-$${file##*/}; done
+
+MADE += docs/data/tradeoff-paper-ring.csv docs/data/tradeoff-paper-ring.png
+docs/data/tradeoff-paper-ring.csv docs/data/tradeoff-paper-ring.png &: $(RUNS)/crowded-paper.done
+	$(SKIN) tradeoff paper-ring --grid levels --quick --interval 2 --from $(RUNS)/crowded-paper -o $(RUNS)/tradeoff-paper
+	for suffix in csv png; do cp $(RUNS)/tradeoff-paper/paper-ring.$$suffix docs/data/tradeoff-paper-ring.$$suffix; done
+
+MADE += docs/data/stability-quarter-ring.csv docs/data/stability-quarter-ring.png
+docs/data/stability-quarter-ring.csv docs/data/stability-quarter-ring.png &: $(RUNS)/crowded.done
+	$(SKIN) stability quarter-ring --from $(RUNS)/crowded --vary stiffness,bending,adhesion,stretch,spring,division --factors 0.1,1,10 -o $(RUNS)/stability
+	for suffix in csv png; do cp $(RUNS)/stability/quarter-ring.$$suffix docs/data/stability-quarter-ring.$$suffix; done
+
+MADE += docs/data/stability-paper-ring.csv docs/data/stability-paper-ring.png
+docs/data/stability-paper-ring.csv docs/data/stability-paper-ring.png &: $(RUNS)/crowded-paper.done
+	$(SKIN) stability paper-ring --from $(RUNS)/crowded-paper --vary stiffness,bending,adhesion,division --factors 1,10 -o $(RUNS)/stability
+	for suffix in csv png; do cp $(RUNS)/stability/paper-ring.$$suffix docs/data/stability-paper-ring.$$suffix; done
+
+OTHERS := bare-membrane two-cells one-stem demo no-dermis
+MADE += docs/data/stability-others.csv
+docs/data/stability-others.csv: $(INSTALLED)
+	for scene in $(OTHERS); do $(SKIN) stability $$scene --interval 20 --vary bending,stretch,adhesion,spring -o $(RUNS)/stability-others; done
+	$(BIN)/python docs/pages.py join $@ $(OTHERS:%=$(RUNS)/stability-others/%.csv)
+
+MADE += docs/data/balanced-quarter-ring.csv.gz
+docs/data/balanced-quarter-ring.csv.gz: docs/data/quarter-ring.csv.gz
+	cp $< $@
+
+# ---- scaling: docs/scaling.md
+
+SCALING := sizes memory ranks traffic
+MADE += $(SCALING:%=docs/data/scaling-%.csv) docs/figures/scaling.png
+docs/data/scaling-sizes.csv: HOW := --steps 24 --rounds 5
+docs/data/scaling-ranks.csv: HOW := --steps 32 --rounds 5
+docs/data/scaling-traffic.csv: HOW := --steps 8 --copies 2
+$(SCALING:%=docs/data/scaling-%.csv): docs/data/scaling-%.csv: $(RUNS)/sixteenth.done
+	$(BIN)/python benchmarks/scaling.py $* $(RUNS)/sixteenth $(HOW)
+docs/figures/scaling.png: $(SCALING:%=docs/data/scaling-%.csv)
+	$(BIN)/python benchmarks/scaling_model.py
+
+# ---- what benchmarks print, for the tables of pages: docs/speed.md, docs/accuracy.md
+
+PRINTED := $(RUNS)/printed
+SAID := step_cost rebuild_cost membrane_cost whole_run
+$(PRINTED)/step_cost: $(INSTALLED)
+$(PRINTED)/rebuild_cost $(PRINTED)/membrane_cost: $(RUNS)/paper-ring.done
+$(PRINTED)/rebuild_cost $(PRINTED)/membrane_cost: HOW := --run $(RUNS)/paper-ring
+$(PRINTED)/whole_run: $(RUNS)/reference.done
+$(PRINTED)/whole_run: HOW := $(RUNS)/reference --ages 0 300 450 600 800 1000 --rounds 3
+$(SAID:%=$(PRINTED)/%): $(PRINTED)/%:
+	mkdir -p $(@D)
+	$(BIN)/python benchmarks/$*.py $(HOW) > $@.part
+	mv $@.part $@
+
+.PHONY: pages made always
+pages: $(MADE) $(SAID:%=$(PRINTED)/%)
+made:
+	@printf '%s\n' $(MADE)
+always:

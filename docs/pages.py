@@ -1,0 +1,66 @@
+"""What the pages need beside the command `skin` and the benchmarks; docs/pages.mk calls it.
+
+python docs/pages.py reduce docs/figures/cells-t600.png
+python docs/pages.py moments runs/wound docs/figures/wound.png 290 300 350
+python docs/pages.py papilla docs/start.md runs
+python docs/pages.py join docs/data/stability-others.csv runs/one/demo.csv runs/one/one-stem.csv
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from PIL import Image
+
+COLOURS = 256
+
+
+def reduce(path: str) -> None:
+    """Write a picture again with few colours, as a smaller file."""
+    with Image.open(path) as picture:
+        reduced = picture.convert("RGB").quantize(COLOURS)
+    reduced.save(path, optimize=True)
+
+
+def moments(run: str, path: str, *times: str) -> None:
+    """Draw a run in three dimensions at some times, side by side."""
+    from lammps_skin.figures.moments import read_moments
+    from lammps_skin.figures.snapshot import draw_view, kinds_of, legend, save
+
+    shown = read_moments(run, [float(time) for time in times])
+    kinds = kinds_of(shown[0].scene, None)
+    figure = Figure(figsize=(4.1 * len(shown), 4.0), layout="constrained")
+    for axes, moment in zip(figure.subplots(1, len(shown)), shown, strict=True):
+        draw_view(axes, moment, kinds, 400)
+    legend(figure, shown[0], kinds)
+    save(figure, path)
+    reduce(path)
+
+
+def papilla(page: str, folder: str) -> None:
+    """Write the scene papilla.toml of a page, and the heights that its Python code makes."""
+    section = Path(page).read_text("utf-8").split("## A pre-formed papilla")[1]
+    code, scene = (
+        re.findall(rf"^```{language}\n(.*?)^```$", section, re.MULTILINE | re.DOTALL)[0]
+        for language in ("python", "toml")
+    )
+    os.chdir(folder)
+    exec(code, {})
+    Path("papilla.toml").write_text(scene, "utf-8")
+
+
+def join(path: str, *tables: str) -> None:
+    """Write the rows of tables of scenes below each other, with a first column for the scene."""
+    lines = []
+    for table in map(Path, tables):
+        head, *rows = table.read_text("utf-8").splitlines()
+        lines += [f"{table.stem},{row}" for row in rows]
+    Path(path).write_text("\n".join([f"scene,{head}", *lines]) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    {one.__name__: one for one in (reduce, moments, papilla, join)}[sys.argv[1]](*sys.argv[2:])
