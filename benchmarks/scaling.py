@@ -7,6 +7,7 @@ tissue at every size, with the level of accuracy `balanced`.
   of its growth with the number of particles;
 - memory: `lmp` alone, in a process of its own for each size;
 - ranks: ranks x threads, in turns; wall time of LAMMPS' loop and CPU time of all ranks;
+- small: one rank and two for fresh scenes of several sizes; wall time of a step;
 - traffic: messages and bytes of a rank, counted by a library that stands between LAMMPS and MPI
   (`mpi_count.c`), as the difference of a longer and a shorter run.
 
@@ -15,6 +16,7 @@ tissue at every size, with the level of accuracy `balanced`.
     python benchmarks/scaling.py memory runs/sixteenth
     python benchmarks/scaling.py ranks runs/sixteenth
     python benchmarks/scaling.py traffic runs/sixteenth
+    python benchmarks/scaling.py small
 
 Each writes docs/data/scaling-*.csv; `scaling_model.py` makes the model and the plot of them.
 """
@@ -46,6 +48,7 @@ from whole_run import configuration_of
 
 DATA = Path(__file__).resolve().parent.parent / "docs" / "data"
 TILES = (1, 2, 4, 8)  # copies along x and along y
+SMALL = ((24, 28), (40, 46), (56, 64), (72, 82), (100, 114))  # lattices of the smaller scenes
 PAPER = 4  # copies that are about the size of the paper's scene
 LEVEL = {"numerics.accuracy": "balanced"}
 QUIET = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
@@ -225,6 +228,30 @@ def ranks(run: Path, steps: int, rounds: int, copies: int) -> None:
     write("ranks", rows)
 
 
+def small(steps: int, rounds: int) -> None:
+    """Wall seconds of a step of scenes of several sizes, on one rank and on two in turns."""
+    rows = []
+    for lattice_of in SMALL:
+        scene = Scene.load("demo").replace(**{"membrane.lattice": lattice_of}, **LEVEL, **QUIET)
+        with ExitStack() as stack:
+            both = {
+                count: stack.enter_context(Simulation.begin(scene, ranks=count)) for count in (1, 2)
+            }
+            particles = len(both[1].forces().ids)
+            for turn in range(rounds + 1):
+                for count, simulation in both.items():
+                    until = simulation.time + steps * scene.numerics.timestep
+                    began = time.perf_counter()
+                    simulation.run(until=until)
+                    if turn:  # the first sets up
+                        wall = (time.perf_counter() - began) / steps
+                        rows.append({
+                            "particles": particles, "ranks": count, "turn": turn - 1,
+                            "wall_per_step": f"{wall:.6g}",
+                        })  # fmt: skip
+    write("small", rows)
+
+
 def traffic(run: Path, steps: int, copies: int) -> None:
     """What a rank sends in a step, counted, and the ghost particles that LAMMPS reports."""
     start, rows = tile_of(run)[1].time, []
@@ -259,8 +286,10 @@ def traffic(run: Path, steps: int, copies: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("sizes", "memory", "ranks", "traffic"))
-    parser.add_argument("run", type=Path, help="run directory of a small periodic tissue")
+    parser.add_argument("what", choices=("sizes", "memory", "ranks", "small", "traffic"))
+    parser.add_argument(
+        "run", type=Path, nargs="?", help="run directory of a small periodic tissue; not for small"
+    )
     parser.add_argument("--steps", type=int, default=8)
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument(
@@ -268,7 +297,11 @@ def main() -> None:
     )
     options = parser.parse_args()
     DATA.mkdir(exist_ok=True)
-    if options.what == "sizes":
+    if options.what == "small":
+        small(options.steps, options.rounds)
+    elif options.run is None:
+        parser.error(f"{options.what}: needs the directory of a run")
+    elif options.what == "sizes":
         sizes(options.run, options.steps, options.rounds)
     elif options.what == "memory":
         memory(options.run)

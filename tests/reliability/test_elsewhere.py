@@ -13,12 +13,12 @@ from pathlib import Path
 
 import pytest
 from lammps_skin.engine import ranks
+from lammps_skin.engine.machine import memory_limits, quotas
 from lammps_skin.engine.ranks import RankedEngine, check_shared_memory
 from lammps_skin.errors import SimulationError
 from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.run.remedies import remedy
 from lammps_skin.run.simulation import Simulation
-from lammps_skin.start.memory import group_limits
 from lammps_skin.trajectory.store import Store
 
 from tests.reliability.bad_input import TINY
@@ -255,11 +255,13 @@ def test_a_crash_with_little_shared_memory(here: Path, monkeypatch: pytest.Monke
         RankedEngine(2, 1, here)
 
 
-def write_groups(root: Path, kind: str, mounted: str, group: str) -> Path:
+def write_groups(
+    root: Path, kind: str, mounted: str, group: str, controllers: str = "memory"
+) -> Path:
     """Files of /proc of a process in a control group, mounted below a folder."""
     process, mount = root / "self", root / "mounted"
     number, controllers, options = (
-        ("0", "", "rw,nsdelegate") if kind == "cgroup2" else ("4", "memory", "rw,memory")
+        ("0", "", "rw,nsdelegate") if kind == "cgroup2" else ("4", controllers, f"rw,{controllers}")
     )
     process.mkdir()
     (process / "cgroup").write_text(f"1:name=systemd:/x\n{number}:{controllers}:{group}\n")
@@ -288,11 +290,32 @@ def test_limits_of_control_groups(
         (tmp_path / "mounted" / level).mkdir(parents=True, exist_ok=True)
         (tmp_path / "mounted" / level / name).write_text(f"{unlimited}\n")
     (tmp_path / "mounted" / limited / name).write_text("400000000\n")
-    assert min(group_limits(process)) == 400_000_000
+    assert min(memory_limits(process)) == 400_000_000
+
+
+@pytest.mark.parametrize(
+    ("kind", "files", "unlimited"),
+    [
+        ("cgroup2", {"cpu.max": "250000 100000\n"}, {"cpu.max": "max 100000\n"}),
+        (
+            "cgroup", {"cpu.cfs_quota_us": "250000\n", "cpu.cfs_period_us": "100000\n"},
+            {"cpu.cfs_quota_us": "-1\n", "cpu.cfs_period_us": "100000\n"},
+        ),
+    ],
+)  # fmt: skip
+def test_cores_of_control_groups(
+    kind: str, files: dict[str, str], unlimited: dict[str, str], tmp_path: Path
+) -> None:
+    process = write_groups(tmp_path, kind, "/", "/user/job", "cpu,cpuacct")
+    for level, contents in (("user", files), ("user/job", unlimited)):
+        (tmp_path / "mounted" / level).mkdir(parents=True)
+        for name, text in contents.items():
+            (tmp_path / "mounted" / level / name).write_text(text)
+    assert list(quotas(process)) == [2.5]
 
 
 def test_no_control_groups(tmp_path: Path) -> None:
-    assert list(group_limits(tmp_path)) == []
+    assert list(memory_limits(tmp_path)) == list(quotas(tmp_path)) == []
 
 
 # ---- settings of the user

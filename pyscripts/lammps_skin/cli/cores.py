@@ -1,17 +1,9 @@
-"""The cores that this process may use, and what to say to who asks for more."""
+"""What to say to who asks for more processes than there are cores."""
 
 from __future__ import annotations
 
-import os
-
 from lammps_skin.cli.output import console, counted
-
-
-def cores() -> int:
-    """Number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+from lammps_skin.engine.machine import cores
 
 
 def warn_of_crowding(processes: int, what: str, threads: int = 1) -> None:

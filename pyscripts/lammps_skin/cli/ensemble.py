@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from lammps_skin.cli.cores import cores, warn_of_crowding
-from lammps_skin.cli.options import Accuracy, Parameters, Settings, scene_from
+from lammps_skin.cli.cores import warn_of_crowding
+from lammps_skin.cli.options import Accuracy, Jobs, Parameters, Settings, scene_from
 from lammps_skin.cli.output import console, counted, duration
 from lammps_skin.cli.progress import Progress
+from lammps_skin.engine.machine import cores
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.model.remarks import remarks
 
@@ -28,7 +29,7 @@ def ensemble(
         typer.Argument(metavar="SCENE...", help="Built-in scenes or .toml files."),
     ] = None,
     seeds: Annotated[str, typer.Option(metavar="SEEDS", help="Such as 1-8 or 1,3,10-12.")] = "1-8",
-    jobs: Annotated[int, typer.Option(min=1, max=4096, help="Runs at a time.")] = 1,
+    jobs: Jobs = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the ensemble.")
     ] = Path("ensemble"),
@@ -88,14 +89,16 @@ def ensemble(
         raise typer.Exit(FAILED)
 
 
-def run_members(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
-    """Run with a progress bar; what failed, by label."""
+def run_members(todo: list[Member], jobs: int | None, keep: bool) -> dict[str, str]:
+    """Run with a progress bar, by default as many at a time as cores; what failed, by label."""
     from lammps_skin.study.ensemble import expected_seconds, run_all
 
-    together = min(jobs, len(todo))
+    together = min(jobs or cores(), len(todo))
     warn_of_crowding(together, "run")
     seconds = expected_seconds(todo) / min(together, cores())
-    console.print(f"{len(todo)} to do, {jobs} at a time: about {duration(seconds)} on idle cores")
+    console.print(
+        f"{len(todo)} to do, {together} at a time: about {duration(seconds)} on idle cores"
+    )
     reached: dict[Member, float] = {}
     with Progress(sum(member.scene.end_time for member in todo)) as progress:
 
@@ -104,7 +107,7 @@ def run_members(todo: list[Member], jobs: int, keep: bool) -> dict[str, str]:
             ended = sum(time >= member.scene.end_time for member, time in reached.items())
             progress.show(sum(reached.values()), f"{ended} of {counted(len(todo), 'run')}")
 
-        failed = run_all(todo, jobs, keep, show)
+        failed = run_all(todo, together, keep, show)
     return {member.label: text for member, text in failed.items()}
 
 

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lammps_skin.cli.ensemble import run_members, seeds_of
-from lammps_skin.cli.options import Accuracy, Parameters, Settings, scene_from
+from lammps_skin.cli.options import Accuracy, Jobs, Parameters, Settings, scene_from
 from lammps_skin.cli.output import console, counted, duration, print_table
+from lammps_skin.engine.machine import cores
 from lammps_skin.errors import FigureError
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def figure(
         str | None,
         typer.Option(metavar="SEEDS", help="Such as 1-8; those of the tables if not given."),
     ] = None,
-    jobs: Annotated[int, typer.Option(min=1, max=4096, help="Runs at a time.")] = 1,
+    jobs: Jobs = None,
     yes: Annotated[bool, typer.Option("--yes", help="Start missing runs without asking.")] = False,
     parameters: Parameters = None,
     accuracy: Accuracy = None,
@@ -79,12 +80,12 @@ def _list(requests: list[Request]) -> None:
     print_table(["", "figure", "scenes", "to be run", "expected"], rows, whole=[0, 3, 4], fold=True)
 
 
-def _run(request: Request, jobs: int, yes: bool) -> None:
+def _run(request: Request, jobs: int | None, yes: bool) -> None:
     """Say what is missing and what it costs, ask, run."""
     from lammps_skin.study.ensemble import expected_seconds
 
     missing = request.missing
-    seconds = expected_seconds(missing) / min(jobs, len(missing))
+    seconds = expected_seconds(missing) / min(jobs or cores(), len(missing))
     names = ", ".join(dict.fromkeys(member.scene.name for member in missing))
     runs = counted(len(missing), "run")
     need = f"figure {request.number} needs {runs} of {names}, {duration(seconds)}"

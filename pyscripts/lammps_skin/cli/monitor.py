@@ -38,6 +38,7 @@ class RunMonitor:
         self._end = simulation.scene.end_time if until is None else until
         self._first_id = simulation.next_id()
         self._first_cells = len(simulation.cells().ids)
+        self._ranks = counted(simulation.ranks, "rank")
         self._tissue: list[str] = []
         self._motion: Motion | None = None
         self._particles = 0
@@ -54,7 +55,7 @@ class RunMonitor:
                 speed = (time - self._start) / max(progress.seconds, 1e-9)
                 reached = f"t = {round(time, 6):.6g} of {self._end:g}"
                 cells = f"{self.living()} +{self.births} -{self.removals}"
-                progress.show(time, f"{reached}  {cells}  {speed:.3g} t/s")
+                progress.show(time, f"{reached}  {cells}  {speed:.3g} t/s  {self._ranks}")
 
             try:
                 self._simulation.run(self._end, progress=show, every=every)

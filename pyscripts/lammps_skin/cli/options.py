@@ -24,6 +24,10 @@ Parameters = Annotated[
 Seed = Annotated[
     int | None, typer.Option("--seed", metavar="N", help="Of all that is random in the scene.")
 ]
+Jobs = Annotated[
+    int | None,
+    typer.Option(min=1, max=4096, help="Runs at a time [default: as many as cores]."),
+]
 Accuracy = Annotated[
     str | None, typer.Option("--accuracy", metavar="LEVEL", help=f"{', '.join(LEVELS)}.")
 ]

@@ -50,7 +50,9 @@ def run(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Run directory [default: runs/NAME]."),
     ] = None,
-    ranks: Annotated[int, typer.Option(help="MPI ranks.")] = 1,
+    ranks: Annotated[
+        int | None, typer.Option(help="MPI ranks [default: as many as pay off on idle cores].")
+    ] = None,
     threads: Annotated[int, typer.Option(help="Threads of each rank.")] = 1,
     until: Annotated[
         float | None, typer.Option(help="Time at which to end, instead of the scene's.")
@@ -82,7 +84,7 @@ def run(
         )
     if timestep is not None and not resume:
         raise SceneError("--timestep: goes with --resume; else give --set numerics.timestep=...")
-    warn_of_crowding(ranks, "rank", threads)
+    warn_of_crowding(ranks or 1, "rank", threads)
     with DirectoryLock(directory, make=scene is not None) as lock:
         if resume:
             simulation = _resumed(lock, directory, ranks, threads, until, timestep)
@@ -92,7 +94,7 @@ def run(
 
 
 def _begun(
-    lock: DirectoryLock, scene: Scene | None, directory: Path, ranks: int, threads: int,
+    lock: DirectoryLock, scene: Scene | None, directory: Path, ranks: int | None, threads: int,
     until: float | None, force: bool,
 ) -> Simulation:  # fmt: skip
     """The simulation of a scene, from its initial state."""
@@ -113,12 +115,17 @@ def _begun(
         with replaced_results(directory):
             how: dict[str, Any] = {"replace": force, "lock": lock}
             if scene is None:
-                return Simulation.begin_built(directory, ranks, threads, **how)
-            return Simulation.begin(scene, directory, configuration, ranks, threads, **how)
+                simulation = Simulation.begin_built(directory, ranks, threads, **how)
+            else:
+                simulation = Simulation.begin(
+                    scene, directory, configuration, ranks, threads, **how
+                )
+    _print_notes(simulation)
+    return simulation
 
 
 def _resumed(
-    lock: DirectoryLock, directory: Path, ranks: int, threads: int, until: float | None,
+    lock: DirectoryLock, directory: Path, ranks: int | None, threads: int, until: float | None,
     timestep: float | None,
 ) -> Simulation:  # fmt: skip
     """The simulation of a run that has ended before its time."""
@@ -127,8 +134,7 @@ def _resumed(
     with console.status("resuming"):
         changed = {} if timestep is None else {"timestep": repr(timestep)}
         simulation = Simulation.resume(directory, ranks, threads, changed, lock)
-    for note in simulation.notes:
-        console.print(note)
+    _print_notes(simulation)
     end = simulation.scene.end_time if until is None else until
     if simulation.time < end < math.inf:
         console.print(f"{simulation.scene.name}: goes on at t = {simulation.time:.6g}")
@@ -138,6 +144,11 @@ def _resumed(
     raise SimulationError(
         f"directory {directory}: has reached t = {reached:.6g}; --until takes it further"
     )
+
+
+def _print_notes(simulation: Simulation) -> None:
+    for note in simulation.notes:
+        console.print(note)
 
 
 def _watch(simulation: Simulation, directory: Path, until: float | None, began: float) -> None:

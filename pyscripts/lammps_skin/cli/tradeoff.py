@@ -10,6 +10,7 @@ import typer
 
 from lammps_skin.cli.ensemble import FAILED, INTERRUPTED, run_members, seeds_of
 from lammps_skin.cli.options import (
+    Jobs,
     Parameters,
     Seed,
     Settings,
@@ -48,7 +49,7 @@ def tradeoff(
     ] = 2.0,
     quick: Annotated[bool, typer.Option("--quick", help="No ensembles.")] = False,
     seeds: Annotated[str, typer.Option(metavar="SEEDS", help="Such as 1-8 or 1,3,10-12.")] = "1-8",
-    jobs: Annotated[int, typer.Option(min=1, max=4096, help="Ensemble runs at a time.")] = 1,
+    jobs: Jobs = None,
     everything: Annotated[
         bool, typer.Option("--all", help="Ensembles also of the variations of the grid.")
     ] = False,

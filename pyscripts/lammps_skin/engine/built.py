@@ -77,6 +77,14 @@ def check_data(path: Path, kinds: Sequence[Kind]) -> None:
         )
 
 
+def particle_count(directory: Path) -> int:
+    """Number of particles in the data file of a built scene; 0 if it does not state it."""
+    try:
+        return _count(directory / "skin.data", "atoms")
+    except (OSError, ValueError):
+        return 0
+
+
 def _count(path: Path, name: str) -> int:
     """A number in the header; 0 if it states none."""
     with path.open(encoding="utf-8") as file:

@@ -50,6 +50,10 @@ ENDED = {  # by number, how a rank ended that has said nothing
 }
 
 
+class RanksError(SimulationError):
+    """Ranks cannot be started on this machine, whatever they are for."""
+
+
 class RankedEngine:
     """Has the methods of `Engine`; each call is carried out by all ranks.
 
@@ -104,9 +108,9 @@ class RankedEngine:
             waiting.join(0.05)
             if self._process.poll() is not None:
                 said = lammps_message(self._printed()) or "it does not say why"
-                raise SimulationError(f"mpirun could not start {ranks} ranks: {said}{_scarce()}")
+                raise RanksError(f"mpirun could not start {ranks} ranks: {said}{_scarce()}")
             if time.monotonic() - latest > PATIENCE:
-                raise SimulationError(
+                raise RanksError(
                     f"mpirun has started {len(connections)} of {ranks} ranks, and no other within "
                     f"{PATIENCE:g} s: {lammps_message(self._printed()) or 'it does not say why'}"
                 )
@@ -193,11 +197,19 @@ class RankedEngine:
         self._process.wait()
 
 
+def check_launcher(ranks: int) -> None:
+    """Raise `RanksError` if there is no mpirun, or ranks might crash for want of shared memory."""
+    _mpirun()
+    check_shared_memory(ranks)
+    if (free := _shared_memory()) < AMPLE:
+        raise RanksError(f"{SHARED} has only {free / 1e6:.3g} MB for the messages of ranks")
+
+
 def check_shared_memory(ranks: int) -> None:
-    """Raise `SimulationError` if ranks cannot exchange messages on this machine."""
+    """Raise `RanksError` if ranks cannot exchange messages on this machine."""
     free, needed = _shared_memory(), ranks * SHARED_MEMORY
     if free < needed:
-        raise SimulationError(
+        raise RanksError(
             f"ranks = {ranks}: MPI needs {needed / 1e6:g} MB of shared memory; {SHARED} has "
             f"{free / 1e6:.3g} MB; {LARGER}"
         )
@@ -232,5 +244,5 @@ def _mpirun() -> str:
     beside = Path(sys.executable).parent / "mpirun"
     found = str(beside) if beside.exists() else shutil.which("mpirun")
     if not found:
-        raise SimulationError("ranks: there is no mpirun; install the mpich package")
+        raise RanksError("ranks: there is no mpirun; install the mpich package")
     return found

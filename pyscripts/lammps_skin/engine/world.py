@@ -22,6 +22,11 @@ def place_in_world() -> tuple[int, int]:
     return 0, 1
 
 
+def launched() -> bool:
+    """Whether mpirun or srun has started this process, even if no others together with it."""
+    return any(os.environ.get(size, "").isdigit() for _, size in COUNTS)
+
+
 def check_alone() -> None:
     """Raise `SimulationError` if mpirun has started this process together with others."""
     _, size = place_in_world()

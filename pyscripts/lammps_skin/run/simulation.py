@@ -10,8 +10,8 @@ from typing import Any, Self
 
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.engine.built import check_data, load_built, variable
-from lammps_skin.engine.engine import Cells, Engine, Forces, Motion
-from lammps_skin.engine.ranks import RankedEngine
+from lammps_skin.engine.engine import Cells, Forces, Motion
+from lammps_skin.engine.rank_count import open_engine
 from lammps_skin.engine.world import check_alone
 from lammps_skin.errors import SceneError, SimulationError, SkinError
 from lammps_skin.model.changes import Change, changes
@@ -41,8 +41,10 @@ class Simulation:
     scene : Scene
     directory : Path
         Where inputs and output are.
+    ranks : int
+        MPI ranks on which it runs.
     notes : list of str
-        What was found to be damaged, after `resume`.
+        What was found to be damaged, after `resume`; why it has fewer ranks than would pay off.
     sound : bool
         Whether LAMMPS can go on; not after an error of a run.
 
@@ -57,7 +59,7 @@ class Simulation:
         self,
         scene: Scene,
         directory: Path,
-        ranks: int,
+        ranks: int | None,
         threads: int,
         variables: Mapping[str, Any],
         lock: DirectoryLock,
@@ -70,7 +72,7 @@ class Simulation:
         self._temporary = temporary
         self._recorder = Recorder(directory, scene, variables)
         self._checkpoints = Checkpoints(directory, scene, variables)
-        self._engine: Any = _open(scene, directory, ranks, threads, variables, lock)
+        self._engine: Any = self._open(ranks, threads, variables, lock)
         # the script has done those that are due when it is read
         self._changes = [one for one in changes(scene) if self._step_of(one) > self._engine.step()]
         self._resources = ExitStack()
@@ -81,7 +83,7 @@ class Simulation:
         scene: Scene | str | Path,
         directory: str | Path | None = None,
         configuration: Configuration | None = None,
-        ranks: int = 1,
+        ranks: int | None = 1,
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
         replace: bool = False,
@@ -97,8 +99,10 @@ class Simulation:
             Where inputs and output go; a temporary folder, removed at the end, if not given.
         configuration : Configuration, optional
             Initial state; built from the scene if not given.
-        ranks, threads : int
-            MPI ranks, and OpenMP threads of each.
+        ranks : int, optional
+            MPI ranks; with None as many as pay off here and now.
+        threads : int
+            OpenMP threads of each rank.
         variables : mapping, optional
             Overrides of variables of scene.in, as ``-var`` on the command line.
         replace : bool
@@ -133,7 +137,7 @@ class Simulation:
     def begin_built(
         cls,
         directory: str | Path,
-        ranks: int = 1,
+        ranks: int | None = 1,
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
         replace: bool = False,
@@ -155,7 +159,7 @@ class Simulation:
     def resume(
         cls,
         directory: str | Path,
-        ranks: int = 1,
+        ranks: int | None = 1,
         threads: int = 1,
         variables: Mapping[str, Any] | None = None,
         lock: DirectoryLock | None = None,
@@ -211,6 +215,19 @@ class Simulation:
                 if engine is not None:
                     engine.close()
                     self._recorder.close(self.sound)
+
+    def _open(
+        self, ranks: int | None, threads: int, variables: Mapping[str, Any], lock: DirectoryLock
+    ) -> Any:
+        """LAMMPS with the scene that is built in the directory."""
+        given = {**variables, "running": 0, "dump_interval": 0, "restart_file": PART}
+        arguments = self.directory, self.scene.kinds, Terms.of(self.scene).names, given
+        try:
+            engine, self.ranks, why = open_engine(ranks, threads, lock.descriptor, *arguments)
+        except SimulationError as error:
+            raise SimulationError(f"{error} (starting the scene in {self.directory})") from None
+        self.notes += [why] * bool(why)
+        return engine
 
     @property
     def time(self) -> float:
@@ -342,23 +359,6 @@ class Simulation:
         return self._engine
 
 
-def _open(
-    scene: Scene, directory: Path, ranks: int, threads: int, variables: Mapping[str, Any],
-    lock: DirectoryLock,
-) -> Any:  # fmt: skip
-    """LAMMPS with the scene that is built in a directory."""
-    arguments = (
-        directory, scene.kinds, Terms.of(scene).names,
-        {**variables, "running": 0, "dump_interval": 0, "restart_file": PART}, threads,
-    )  # fmt: skip
-    try:
-        if ranks == 1:
-            return Engine(*arguments)
-        return RankedEngine(ranks, lock.descriptor, *arguments)
-    except SimulationError as error:
-        raise SimulationError(f"{error} (starting the scene in {directory})") from None
-
-
 def _check_replaced(directory: Path, variables: Mapping[str, Any], replace: bool) -> None:
     """Refuse to begin where a run has left results, unless they may be replaced."""
     if "restart" not in variables and not replace and holds_results(directory):
@@ -368,17 +368,17 @@ def _check_replaced(directory: Path, variables: Mapping[str, Any], replace: bool
         )
 
 
-def check_run(directory: Path, ranks: int, threads: int) -> None:
+def check_run(directory: Path, ranks: int | None, threads: int) -> None:
     """Refuse what cannot be run, before anything is written.
 
     LAMMPS splits its commands at blanks, changes letters beyond ASCII, and quotes, dollars, stars,
     percent and number signs mean something to it.
     """
-    for name, value in (("ranks", ranks), ("threads", threads)):
+    for name, value in (("ranks", 1 if ranks is None else ranks), ("threads", threads)):
         if not isinstance(value, int) or not 1 <= value <= 4096:
             raise SimulationError(f"{name} = {value!r}: must be a whole number from 1 to 4096")
     check_alone()
-    check_ranks(ranks)
+    check_ranks(ranks or 1)
     bad = sorted({c for c in str(directory.resolve()) if not "!" <= c <= "~" or c in "\"'$*%#"})
     if bad:
         raise SceneError(

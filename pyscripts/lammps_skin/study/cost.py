@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from lammps_skin.arrays import Floats
+from lammps_skin.engine.machine import A_PROCESS
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.counts import first_counts
-from lammps_skin.start.memory import BASE, PER_PARTICLE
+from lammps_skin.start.memory import PER_PARTICLE
 from lammps_skin.study.growth import growth
 
 EVENTS_PER_CYCLE = 3.0  # of a cell: its share in births, ends of divisions and removals
@@ -50,7 +51,7 @@ class Rates:
     rebuild: float = 1.9e-6
     start: float = 2.5
     packed: float = 9.0e-4
-    base_memory: float = BASE
+    base_memory: float = A_PROCESS
     particle_memory: float = PER_PARTICLE
 
 

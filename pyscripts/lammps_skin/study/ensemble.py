@@ -39,6 +39,7 @@ from lammps_skin.analysis.observables import (
 )
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.arrays import Floats
+from lammps_skin.engine.machine import LIMIT, cores
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.directory_lock import DirectoryLock
@@ -136,9 +137,9 @@ class Member:
 
     def _simulation(self, lock: DirectoryLock) -> Simulation:
         if not holds_results(self.directory):
-            return Simulation.begin(self.scene, self.directory, lock=lock)
+            return Simulation.begin(self.scene, self.directory, ranks=None, lock=lock)
         try:
-            return Simulation.resume(self.directory, lock=lock)
+            return Simulation.resume(self.directory, ranks=None, lock=lock)
         except SkinError as error:
             raise SkinError(
                 f"{error}; the run is kept: move {self.directory} away to begin anew"
@@ -215,7 +216,7 @@ def run_all(
     keep: bool = False,
     progress: Callable[[Member, float], None] | None = None,
 ) -> dict[Member, str]:
-    """Run members in processes, `jobs` at a time.
+    """Run members in processes, `jobs` at a time, which share the cores.
 
     Parameters
     ----------
@@ -233,6 +234,7 @@ def run_all(
     """
     context = get_context("spawn")
     waiting, failures = list(reversed(todo)), {}
+    share = max(cores() // max(min(jobs, len(todo)), 1), 1)
     running: dict[Connection, Running] = {}
     former = signal.getsignal(signal.SIGTERM)
     if former == signal.SIG_DFL and threading.current_thread() is threading.main_thread():
@@ -242,7 +244,8 @@ def run_all(
             while waiting and len(running) < jobs:
                 member = waiting.pop()
                 receiver, sender = context.Pipe(duplex=False)
-                process = context.Process(target=_work, args=(member, keep, sender), daemon=True)
+                work = (member, keep, share, sender)
+                process = context.Process(target=_work, args=work, daemon=True)
                 process.start()
                 sender.close()
                 running[receiver] = Running(member, process)
@@ -277,8 +280,9 @@ def _terminate(number: int, _: object) -> None:
     raise SystemExit(128 + number)
 
 
-def _work(member: Member, keep: bool, sender: Connection) -> None:
-    """In a process of its own: times as they are reached, then None or an error."""
+def _work(member: Member, keep: bool, share: int, sender: Connection) -> None:
+    """In a process with a share of the cores: times as they are reached, then None or an error."""
+    os.environ[LIMIT] = str(share)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its children
     try:
         member.run(keep, lambda time: sender.send(float(time)))

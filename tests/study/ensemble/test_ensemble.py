@@ -27,10 +27,12 @@ from lammps_skin.study.ensemble import (
 from lammps_skin.versions import versions
 
 
-def test_one_command_and_the_same_again(skin, tmp_path):
-    answer = skin("ensemble", "tiny.toml", "--seeds", "1-2", "--jobs", 2, "-o", "many")
+def test_one_command_and_the_same_again(skin, tmp_path, monkeypatch):
+    monkeypatch.setattr("lammps_skin.cli.ensemble.cores", lambda: 2)
+    answer = skin("ensemble", "tiny.toml", "--seeds", "1-2", "-o", "many")
     assert answer.code == 0, answer.out
     assert "2 runs, 0 of them there" in answer.out
+    assert "2 to do, 2 at a time" in answer.out
     tables = sorted((tmp_path / "many" / "runs").iterdir())
     assert [path.suffix for path in tables] == [".csv", ".csv"]  # and no run directory
     packed = (tmp_path / "many" / "tiny.csv.gz").read_bytes()
@@ -112,7 +114,7 @@ def test_the_command_reports_failures(skin, tmp_path):
     assert "failed: tiny, seed 4: " in answer.out and "Traceback" not in answer.out + answer.err
 
 
-def crash(member, keep, sender):
+def crash(*_):
     os._exit(7)
 
 
@@ -120,6 +122,18 @@ def test_a_process_that_dies_is_a_failure(scene, tmp_path, monkeypatch):
     monkeypatch.setattr("lammps_skin.study.ensemble._work", crash)
     (member,) = members([scene], [1], tmp_path)
     assert run_all([member]) == {member: "its process ended with exit code 7"}
+
+
+def tell_share(member, keep, share, sender):
+    sender.send(str(share))
+
+
+@pytest.mark.parametrize(("jobs", "share"), [(1, "6"), (2, "3"), (9, "3")])
+def test_runs_share_the_cores(jobs, share, scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("lammps_skin.study.ensemble._work", tell_share)
+    monkeypatch.setattr("lammps_skin.study.ensemble.cores", lambda: 6)
+    both = members([scene], [1, 2], tmp_path)
+    assert run_all(both, jobs=jobs) == dict.fromkeys(both, share)
 
 
 def test_a_killed_run_goes_on(scene, tmp_path):
