@@ -20,6 +20,7 @@ from lammps_skin.model.interventions import (
 from lammps_skin.model.parts import KindKeys
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
+from lammps_skin.model.stiffness import FOLDS
 from lammps_skin.model.terms import Terms
 from lammps_skin.start.packing import FORCE_TOLERANCE, dermal_count
 from pages import codes, rows, section
@@ -108,6 +109,12 @@ def test_rows_of_the_kinds_of_cells() -> None:
 
     kinds = Scene.from_dict({}).cell_table.values()
     assert rows(section("kinds.md", "The four rows")) == [words(row) for row in kinds]
+
+
+def test_folds_of_each_parameter_set() -> None:
+    table = rows(section("stability.md", "Before a run"))
+    assert {name.strip("`"): float(value) for name, value in table} == FOLDS
+    assert list(FOLDS) == list(parameters.SETS)
 
 
 def test_levels_of_accuracy() -> None:

@@ -28,6 +28,10 @@ HALF_SEPARATION = 0.005 * RADIUS
 WAIT, ORIENTATION, FIRST_PHASE = 1, 2, 3  # purposes of random numbers
 WORD = 2**64 - 1
 QUIET = {"thermo_interval": 10.0, "dump_interval": 0.0, "checkpoint_interval": 0.0}
+FOUR_STEPS = {  # of a time unit, with events on every second one and a limit of stiffness
+    "integrator": "rkl1", "stages": 5, "timestep": 0.25, "stiffness_limit": 100.0,
+    "event_interval": 0.5,
+}  # fmt: skip
 FREEZE = "fix freeze all setforce 0 0 0"
 TIME_DIGITS = 1e-9  # events.csv states ten digits
 

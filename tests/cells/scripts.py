@@ -10,12 +10,12 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.start.build import build
 from lammps_skin.start.configuration import Configuration
 
-from tests.cells.conftest import QUIET
+from tests.cells.conftest import FOUR_STEPS, QUIET
 
 BUSY = {
     "membrane.lattice": [24, 28], "cells.stem": 2, "cells.nd": 1, "cells.arrangement": "random",
     "cells.cycle_delay": 2.0, "cells.cycle_rate": 0.5, "cells.first_phase": 2.0,
-    "cells.division_rate": 1.4, "output": QUIET,
+    "cells.division_rate": 1.4, "numerics": FOUR_STEPS, "output": QUIET,
 }  # fmt: skip
 
 

@@ -7,14 +7,14 @@ import pytest
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 
-from tests.cells.conftest import QUIET
+from tests.cells.conftest import FOUR_STEPS, QUIET
 
 KEPT = Path(__file__).parent / "data" / "crowded.csv"
 CROWDED = {
     "parameters": "weak5", "membrane.lattice": [24, 28], "cells.stem": 4, "cells.nd": 2,
     "cells.arrangement": "random", "cells.generations": 2, "cells.cycle_delay": 2.0,
     "cells.cycle_rate": 0.5, "cells.first_phase": 2.0, "cells.division_rate": 1.4,
-    "cells.seed": 3, "end_time": 20.0, "output": QUIET,
+    "cells.seed": 3, "end_time": 20.0, "numerics": FOUR_STEPS, "output": QUIET,
 }  # fmt: skip
 PLACE = 1e-3  # processors round otherwise
 

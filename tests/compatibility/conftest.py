@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.cells.conftest import FOUR_STEPS
 from tests.compatibility.scenes import AGE, SCENES, build_scene
 from tests.compatibility.tries import Row, Try, script
 
 ROOT = Path(__file__).resolve().parents[2]
-TIMESTEP = 0.25
 SERVER = [sys.executable, "-m", "tests.compatibility.server"]
 
 Runner = Callable[[Path, str], int]
@@ -50,7 +50,7 @@ def scenes(tmp_path_factory: pytest.TempPathFactory, run_in: Runner) -> Path:
         directory = folder / name
         build_scene(name, directory)
         setup = (directory / "setup.in").read_text()
-        steps = round(AGE / TIMESTEP)
+        steps = round(AGE / FOUR_STEPS["timestep"])
         run = steps if SCENES[name]["cells"]["stem"] else 0  # alone, the membrane would be flat
         young = f"run {run}\nwrite_data skin.data nocoeff\n"
         (directory / "try.in").write_text(setup + young)

@@ -15,6 +15,8 @@ from lammps_skin.start import lattice
 from lammps_skin.start.build import build
 from lammps_skin.start.configuration import Configuration
 
+from tests.cells.conftest import FOUR_STEPS
+
 LATTICE = (24, 28)
 HEIGHT = 22.4
 AGE = 16.0  # of the state that a try starts from
@@ -37,8 +39,9 @@ STATE = (
 def scene_of(name: str) -> Scene:
     membrane = {"lattice": list(LATTICE), "height": HEIGHT}
     return Scene.from_dict(
-        {"name": name, "end_time": 100.0, "membrane": membrane, "output": QUIET, **SCENES[name]}
-    )
+        {"name": name, "end_time": 100.0, "membrane": membrane, "output": QUIET,
+         "numerics": FOUR_STEPS, **SCENES[name]}
+    )  # fmt: skip
 
 
 def configuration_of(scene: Scene) -> Configuration:

@@ -18,6 +18,9 @@ end_time = 400.0
 lattice = [24, 28]
 [cells]
 stem = 2
+[numerics]
+timestep = 0.25
+event_interval = 0.5
 """
 AT = 'name = "w"\nat = 5.0\n'
 REMOVE = AT + 'remove = "all"\n'

@@ -122,9 +122,9 @@ def test_a_link_that_breaks_divides_the_step(move: float, ranks: int) -> None:
         simulation.command("fix pull one addforce 0 0 100")
         if not move:
             with pytest.raises(SimulationError, match=r"link of atoms .* on step 1, its singular"):
-                simulation.run(until=0.5)
+                simulation.run(until=1.0)
             return
-        simulation.run(until=0.5)
+        simulation.run(until=1.0)
         motion = simulation.motion()
     assert motion.divided >= 1 and motion.evaluations > 10
 

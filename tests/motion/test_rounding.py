@@ -46,7 +46,7 @@ def test_positions_are_on_the_grid() -> None:
         simulation.run(until=1.0)
         sideways = simulation.forces().positions
     assert np.abs(sideways / grid - np.round(sideways / grid)).max() < 1e-6
-    between = positions_at(1.5, {})
+    between = positions_at(1.5, {"numerics.timestep": 0.5})
     assert np.abs(between / grid - np.round(between / grid)).max() > 0.1
 
 

@@ -147,7 +147,7 @@ def test_the_longest_table() -> None:
 
 def test_the_fastest_cycle_sets_the_steps() -> None:
     fast = {"cells.kinds.ta.cycle_delay": 0.4, "cells.kinds.ta.cycle_rate": 10.0}
-    own = scene(**fast)
+    own = scene(parameters="earlier-stiff", **fast)
     assert own.shortest_cycle == pytest.approx(0.5)
     assert own.numerics.timestep == 0.05 and own.numerics.event_interval == pytest.approx(0.05)
     assert not list(remarks(own))

@@ -13,13 +13,12 @@ DEFAULT_LEVEL: Level = "balanced"
 LEVELS: dict[str, dict[str, Any]] = {
     "reference": {},
     "balanced": {
-        "integrator": "rkl1",
-        "stages": 5,
-        "timestep": 0.25,
-        "stiffness_limit": 100.0,
+        "integrator": "rkl2",
+        "stages": 13,
+        "timestep": 1.0,
         "largest_move": 0.6,
         "pair_form": "skin",
-        "event_interval": 0.5,
+        "event_interval": 1.0,
         "neighbor_skin": 0.5,
     },
     "fast": {
@@ -36,7 +35,7 @@ LEVELS: dict[str, dict[str, Any]] = {
 
 SUMMARIES: dict[Level, str] = {
     "reference": "forward Euler with a timestep of 0.01",
-    "balanced": "Runge-Kutta-Legendre steps of 0.25; the stiffest membrane particles move slower",
+    "balanced": "Runge-Kutta-Legendre steps of 1 and of second order",
     "fast": "Runge-Kutta-Legendre steps of 2",
 }
 
@@ -53,8 +52,8 @@ def numerics(
 
     Its timestep is shortened until all intervals are whole numbers of steps, if they can be, and
     there are enough of them in the fastest process. For the same stability with another timestep,
-    also one that is given, s^2 + s of the stages is in proportion to it; rkl2 needs
-    (s^2 + s - 2) / 2 instead, and Euler, with one stage, the shorter timestep.
+    also one that is given, `stability_limit` of the stages is in proportion to it; Euler, with one
+    stage, needs the shorter timestep.
 
     Parameters
     ----------
@@ -90,8 +89,8 @@ def longest_timestep(level: str, integrator: str, fastest: float) -> float | Non
 
 def _longest(level: str, integrator: str) -> tuple[float, float]:
     """Timestep of a level, and that times the largest eigenvalue of which it is stable."""
-    longest, stages = LEVELS[level]["timestep"], LEVELS[level]["stages"]
-    limit = stages**2 + stages  # at the level's own step
+    values = LEVELS[level]
+    longest, limit = values["timestep"], stability_limit(values["integrator"], values["stages"])
     return (2 * longest / limit, 2) if integrator == "euler" else (longest, limit)
 
 

@@ -9,12 +9,16 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_skin.model.accuracy import stability_limit
+from lammps_skin.model.parameters import SETS
 from lammps_skin.model.parts import Membrane
 from lammps_skin.model.potentials import stretch_slope
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms
 
-FOLDED = 180.0  # largest eigenvalue of a crowded membrane with the default stiffnesses
+FOLDS = {  # largest eigenvalues that folds come to in runs of quarter-ring, by parameter set
+    "printed": 180.0, "papilla": 180.0, "weak5": 25.0, "direct5": 40.0, "earlier": 25.0,
+    "earlier-stiff": 65.0, "earlier-full": 25.0,
+}  # fmt: skip
 STEP = 1e-4  # of a difference quotient, relative
 
 
@@ -29,9 +33,9 @@ def stiffest(scene: Scene) -> Stiffest:
     """The stiffest of what a scene is sure to come to, at its start or after an intervention.
 
     Two particles that are bound by a spring k alone have the eigenvalue 2 k, a triangular network
-    of them 6 k. Folds of a membrane under cells are stiffer by far. Crowds, where several springs
-    pull at one particle, may be stiffer than this. Sizes of which there are no squares have nothing
-    that is stiff.
+    of them 6 k. Folds of a membrane under cells are stiffer by far: what is known of them has been
+    seen in runs. Crowds, where several springs pull at one particle, may be stiffer than this.
+    Sizes of which there are no squares have nothing that is stiff.
     """
     try:
         with np.errstate(all="ignore"):
@@ -42,7 +46,7 @@ def stiffest(scene: Scene) -> Stiffest:
 
 
 def _motions(scene: Scene) -> Iterator[Stiffest]:
-    membrane, terms = scene.membrane, Terms.of(scene)
+    terms = Terms.of(scene)
     limit = scene.numerics.stiffness_limit or math.inf
     yield Stiffest("links of the membrane", min(6 * _link(scene), limit))
     for kind in scene.cell_kinds:
@@ -51,7 +55,7 @@ def _motions(scene: Scene) -> Iterator[Stiffest]:
         yield Stiffest(name, 2 * terms.attachment(strongest) / scene.contact**2)
     if scene.divides:
         yield Stiffest("division springs", 2 * terms.division.stiffness)
-        yield Stiffest("folds of the membrane", min(FOLDED * _relative(membrane), limit))
+        yield Stiffest("folds of the membrane", min(_folds(scene), limit))
 
 
 def _link(scene: Scene) -> float:
@@ -64,13 +68,14 @@ def _link(scene: Scene) -> float:
     return float(membrane.stretch_stiffness * np.ptp(slopes) / (2 * STEP * rest) / contact**2)
 
 
-def _relative(membrane: Membrane) -> float:
-    """Stiffness of a membrane over the default one."""
-    usual = Membrane()
-    return max(
-        membrane.bending_stiffness / usual.bending_stiffness,
-        membrane.stretch_stiffness / usual.stretch_stiffness,
-    )
+def _folds(scene: Scene) -> float:
+    """Largest eigenvalue of folds, under the same forces as the cube root of the stiffness K.
+
+    The energy of a fold by a small angle t is as K t^4, a force as K t^3, the eigenvalue as K t^2.
+    """
+    of_set = SETS[scene.parameters].get("membrane", {})
+    usual = of_set.get("bending_stiffness", Membrane().bending_stiffness)
+    return FOLDS[scene.parameters] * math.cbrt(scene.membrane.bending_stiffness / usual)
 
 
 def longest_timestep(scene: Scene) -> float:

@@ -70,7 +70,7 @@ def test_links_of_a_flat_membrane() -> None:
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("name", BUILT_IN)
 def test_no_scene_comes_with_a_warning(name: str, level: str) -> None:
-    scene = Scene.load(name).replace(**{"numerics.accuracy": level})
+    scene = Scene.load(name).replace(parameters="earlier-stiff", **{"numerics.accuracy": level})
     assert scene.numerics.timestep <= longest_timestep(scene)
     assert warning(scene) == ""
 
@@ -92,13 +92,13 @@ def test_sizes_beyond_all_measure(key: str, size: float) -> None:
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"numerics.timestep": 0.1}, "timestep = 0.1: euler is stable up to 0.0111 with folds of"),
+        ({"numerics.timestep": 0.1}, "timestep = 0.1: euler is stable up to 0.0308 with folds of"),
         ({"numerics.timestep": 0.1, "numerics.largest_move": 0.0}, "likely to end in an error"),
-        ({"membrane.bending_stiffness": 5.0}, "up to 0.00111 with folds of the membrane"),
-        ({"cells.binding_stiffness": 2500.0}, r"up to 0.0023 with binding \(stiffness 868\)"),
+        ({"membrane.bending_stiffness": 1e4}, "up to 0.00308 with folds of the membrane"),
+        ({"cells.binding_stiffness": 2500.0}, r"up to 0.00096 with binding \(stiffness 2.08e"),
         (
             {"numerics.accuracy": "balanced", "numerics.stages": 3},
-            "timestep = 0.25: rkl1 with 3 stages is stable up to 0.12 with folds of the membrane",
+            "timestep = 1: rkl2 with 3 stages is stable up to 0.0769 with folds of the membrane",
         ),
         (
             {"numerics.accuracy": "fast", "cells.adhesion_stiffness": 2500.0},
@@ -110,12 +110,13 @@ def test_command_warns(skin, changes: dict[str, Any], told: str) -> None:
     """`skin check` and `skin run` say so, and go on."""
     settings = [f"--set={key}={value}" for key, value in changes.items()]
     level = [] if "numerics.accuracy" in changes else ["--set=numerics.accuracy=reference"]
+    level.append("--parameters=earlier-stiff")
     for command in (["check", "two-cells"], ["build", "two-cells", "-o", "here"]):
         answer = skin(*command, *level, *settings)
         assert answer.code == 0, answer.err
         if command[0] == "check":
             assert re.search(told, " ".join(answer.out.split()))
-    answer = skin("run", "here", "--until", 0.5)
+    answer = skin("run", "here", "--until", 1)
     assert re.search(told, " ".join(answer.out.split()))
 
 
