@@ -3,7 +3,6 @@
 # run again, and a `make pages` that was stopped goes on; to begin from nothing, remove $(RUNS).
 
 RUNS := runs/pages
-JOBS ?= 2
 SKIN := OMP_NUM_THREADS=1 $(BIN)/skin
 REDUCED = $(BIN)/python docs/pages.py reduce
 MADE :=
@@ -21,7 +20,7 @@ MADE += $(2:%=docs/data/$(1)%.csv.gz)
 $(2:%=docs/data/$(1)%.csv.gz) &: $(INSTALLED) always
 	mkdir -p docs/data/$(1)
 	rm -f $(2:%=$(RUNS)/data/$(1)%.csv.gz)
-	$(SKIN) ensemble $(2) --seeds $(3) --jobs $(JOBS) $(4) -o $(RUNS)/data/$(1)
+	$(SKIN) ensemble $(2) --seeds $(3) $(4) -o $(RUNS)/data/$(1)
 	cp $(2:%=$(RUNS)/data/$(1)%.csv.gz) docs/data/$(1)
 endef
 row = $(eval $(call ensemble,$(1),$(2),$(3),$(4)))
@@ -90,7 +89,7 @@ $(COURSES): docs/figures/figure-%-quick.png: $(TABLES)
 OF_RUNS := docs/figures/figure-2.png docs/figures/figure-2-quick.png docs/figures/figure-4-quick.png
 MADE += $(OF_RUNS)
 $(OF_RUNS): $(INSTALLED)
-	$(SKIN) figure $(word 2,$(subst -, ,$(basename $(@F)))) $(if $(findstring quick,$@),--quick) --data $(RUNS)/shown --jobs $(JOBS) --yes -o docs/figures
+	$(SKIN) figure $(word 2,$(subst -, ,$(basename $(@F)))) $(if $(findstring quick,$@),--quick) --data $(RUNS)/shown --yes -o docs/figures
 	$(REDUCED) $@
 
 SEEN := cells-t600 stem-t1000 height-t600 section-t1000
@@ -118,7 +117,7 @@ $(RUNS)/papilla.toml: docs/start.md
 TRADEOFF := docs/data/tradeoff-quarter-ring
 MADE += $(TRADEOFF).csv $(TRADEOFF)-orders.csv $(TRADEOFF)-ensemble.csv $(TRADEOFF).png
 $(TRADEOFF).csv $(TRADEOFF)-orders.csv $(TRADEOFF)-ensemble.csv $(TRADEOFF).png &: $(RUNS)/crowded.done
-	$(SKIN) tradeoff quarter-ring --interval 2 --from $(RUNS)/crowded --seeds 1-8 --jobs $(JOBS) --windows 300-600,800-1000 --data $(RUNS)/levels -o $(RUNS)/tradeoff
+	$(SKIN) tradeoff quarter-ring --interval 2 --from $(RUNS)/crowded --seeds 1-8 --windows 300-600,800-1000 --data $(RUNS)/levels -o $(RUNS)/tradeoff
 	for file in $(RUNS)/tradeoff/quarter-ring*.csv $(RUNS)/tradeoff/quarter-ring.png; do cp $$file docs/data/tradeoff-$${file##*/}; done
 
 MADE += docs/data/tradeoff-paper-ring.csv docs/data/tradeoff-paper-ring.png
@@ -155,6 +154,9 @@ docs/data/scaling-ranks.csv: HOW := --steps 32 --rounds 5
 docs/data/scaling-traffic.csv: HOW := --steps 8 --copies 2
 $(SCALING:%=docs/data/scaling-%.csv): docs/data/scaling-%.csv: $(RUNS)/sixteenth.done
 	$(BIN)/python benchmarks/scaling.py $* $(RUNS)/sixteenth $(HOW)
+MADE += docs/data/scaling-small.csv
+docs/data/scaling-small.csv: $(INSTALLED)
+	$(BIN)/python benchmarks/scaling.py small --steps 20 --rounds 5
 docs/figures/scaling.png: $(SCALING:%=docs/data/scaling-%.csv)
 	$(BIN)/python benchmarks/scaling_model.py
 
