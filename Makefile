@@ -12,7 +12,7 @@ SOURCES := pyproject.toml CMakeLists.txt $(wildcard lammps_inputs/*.in) \
 .PHONY: help demo test science lint tidy sanitize clean
 
 help:
-	@echo "make demo      simulate and draw a small patch of skin: division, crowding, removal"
+	@echo "make demo      simulate and draw a quarter of the paper's scene: about a minute"
 	@echo "make test      all tests but the long science runs"
 	@echo "make science   the long science runs"
 	@echo "make lint      ruff and mypy"
@@ -23,7 +23,7 @@ help:
 	@echo "Variables: PYTHON=$(PYTHON), the interpreter; VENV=$(VENV), the virtual environment"
 
 demo: $(INSTALLED)
-	$(BIN)/skin run demo -o runs/demo --force
+	$(BIN)/skin run quarter-ring -o runs/demo --force
 	$(BIN)/skin snapshot runs/demo --view all -o runs/demo/demo.png
 
 test: $(INSTALLED)

@@ -83,6 +83,7 @@ COURSES := $(QUICK:%=docs/figures/%.png)
 MADE += docs/figures/figure-1.png $(COURSES)
 docs/figures/figure-1.png: $(INSTALLED)
 	$(SKIN) figure 1 -o docs/figures
+	$(REDUCED) $@
 $(COURSES): docs/figures/figure-%-quick.png: $(TABLES)
 	$(SKIN) figure $* --quick --data docs/data -o docs/figures
 
@@ -92,12 +93,13 @@ $(OF_RUNS): $(INSTALLED)
 	$(SKIN) figure $(word 2,$(subst -, ,$(basename $(@F)))) $(if $(findstring quick,$@),--quick) --data $(RUNS)/shown --yes -o docs/figures
 	$(REDUCED) $@
 
-SEEN := cells-t600 stem-t1000 height-t600 section-t1000
+SEEN := cells-t600 stem-t1000 height-t600 section-t1000 demo
 MADE += $(SEEN:%=docs/figures/%.png)
 docs/figures/cells-t600.png: VIEW := --time 600
 docs/figures/stem-t1000.png: VIEW := --time 1000 --show stem
 docs/figures/height-t600.png: VIEW := --time 600 --view height
 docs/figures/section-t1000.png: VIEW := --time 1000 --view section
+docs/figures/demo.png: VIEW := --time 1000 --view all
 $(SEEN:%=docs/figures/%.png): $(RUNS)/quarter-ring.done
 	$(SKIN) snapshot $(RUNS)/quarter-ring $(VIEW) -o $@
 	$(REDUCED) $@

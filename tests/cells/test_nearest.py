@@ -45,7 +45,10 @@ def check_nearest(particles: Forces, cells: Cells, sides: tuple[float, float]) -
 def test_partner_is_the_nearest_at_every_step(ranks: int, neighbor_skin: float) -> None:
     """Crowded cells are dragged over a fold, through the periodic edges and from rank to rank."""
     scene = membrane_scene(
-        **{"numerics.timestep": TIMESTEP, "numerics.neighbor_skin": neighbor_skin}
+        **{
+            "membrane.bending_stiffness": 0.5, "numerics.timestep": TIMESTEP,
+            "numerics.neighbor_skin": neighbor_skin,
+        }
     )
     sides = scene.box_sides[:2]
     partners: list[dict[int, int]] = []

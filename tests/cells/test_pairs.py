@@ -51,9 +51,10 @@ def test_pair_follows_its_growing_spring(spring: str, tmp_path: Path) -> None:
     timestep = 0.01
     scene = membrane_scene(
         **{
-            "cells.division_spring": spring, "cells.adhesion_stiffness": 0.0,
-            "cells.binding_stiffness": 0.0, "cells.membrane_exclusion_stiffness": 0.0,
-            "cells.generations": 0, "numerics.timestep": timestep, "numerics.event_interval": 0.0,
+            "parameters": "papilla", "cells.division_spring": spring,
+            "cells.adhesion_stiffness": 0.0, "cells.binding_stiffness": 0.0,
+            "cells.membrane_exclusion_stiffness": 0.0, "cells.generations": 0,
+            "numerics.timestep": timestep, "numerics.event_interval": 0.0,
             "numerics.rounding": 0.0,
         }
     )  # fmt: skip

@@ -31,7 +31,7 @@ EVERY = {  # a value of each key that can be set
     "cells.cell_adhesion_stiffness": 0.05, "cells.adhesion_stiffness": 20.0,
     "cells.adhesion_range": 1.3, "cells.binding_stiffness": 15.0, "cells.cycle_delay": 1.0,
     "cells.cycle_rate": 2.0, "cells.generations": 3,
-    "cells.kinds.nd.adhesion": "adhesive", "cells.kinds.nd.stiffness": 12.0,
+    "cells.kinds.nd.adhesion": "adhesive", "cells.kinds.nd.stiffness": 10.0,
     "cells.kinds.nd.range": 1.25, "cells.kinds.nd.detaches": True,
     "cells.kinds.mutant.cycle_delay": 3.0, "cells.kinds.mutant.cycle_rate": 1.5,
     "cells.kinds.ta.generations": 4, "cells.kinds.stem.paired_stiffness": 9.0,
@@ -81,7 +81,7 @@ def test_every_key_is_told(changing: Scene) -> None:
     kinds = [command.split()[3] for command in first.commands if command.startswith("fix_modify")]
     assert kinds == [row.label for row in changing.cell_kinds]
     nd = next(command for command in first.commands if " kind nd " in command)
-    assert "law adhesive 12.0 1.25" in nd and "detach 1.25" in nd and "cycle" not in nd
+    assert "law adhesive 24.0 1.25" in nd and "detach 1.25" in nd and "cycle" not in nd
     assert second.commands == ("dihedral_coeff 1 0.5 ${bending_form}",)
 
 

@@ -26,8 +26,9 @@ def observed(errors: list[float]) -> np.ndarray:
 def sheet(integrator: str, timestep: float, limit: float = 0.0, move: float = 0.0) -> Scene:
     return Scene.load("bare-membrane").replace(
         **{
-            "membrane.lattice": [12, 14], "membrane.noise": 0.05, "output.dump_interval": 0.0,
-            "output.thermo_interval": 2.0, "numerics.accuracy": "reference",
+            "parameters": "printed", "membrane.lattice": [12, 14], "membrane.noise": 0.05,
+            "output.dump_interval": 0.0, "output.thermo_interval": 2.0,
+            "numerics.accuracy": "reference",
             "numerics.integrator": integrator,
             "numerics.stages": 5, "numerics.timestep": timestep, "numerics.largest_move": move,
             "numerics.stiffness_limit": limit,

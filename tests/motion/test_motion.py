@@ -18,6 +18,7 @@ def sheet(**changes: Any) -> tuple[Scene, Configuration]:
     """A small rough membrane."""
     scene = Scene.load("bare-membrane").replace(
         **{
+            "parameters": "printed",
             "membrane.lattice": [24, 28],
             "output.dump_interval": 0.0,
             "numerics.accuracy": "reference",

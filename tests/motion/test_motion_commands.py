@@ -135,8 +135,9 @@ def test_respa_is_refused() -> None:
 def sheet(**changes: Any) -> tuple[Scene, Configuration]:
     scene = Scene.load("bare-membrane").replace(
         **{
-            "membrane.lattice": [24, 28], "membrane.noise": 0.1, "output.dump_interval": 0.0,
-            "numerics.accuracy": "balanced", "numerics.rounding": 0.0, **changes,
+            "parameters": "printed", "membrane.lattice": [24, 28], "membrane.noise": 0.1,
+            "output.dump_interval": 0.0, "numerics.accuracy": "balanced",
+            "numerics.rounding": 0.0, **changes,
         }
     )  # fmt: skip
     return scene, Configuration.from_scene(scene)

@@ -18,8 +18,8 @@ TERMS = ("stretch", "bend")
 def start() -> tuple[Scene, Configuration]:
     scene = Scene.load("bare-membrane").replace(
         **{
-            "membrane.lattice": [24, 28], "membrane.noise": 0.1, "output.dump_interval": 0.0,
-            "numerics.rounding": 0.0,
+            "parameters": "printed", "membrane.lattice": [24, 28], "membrane.noise": 0.1,
+            "output.dump_interval": 0.0, "numerics.rounding": 0.0,
         }
     )  # fmt: skip
     return scene, Configuration.from_scene(scene)

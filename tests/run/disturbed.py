@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from lammps_skin import files
+from lammps_skin.engine.engine import Engine
 from lammps_skin.errors import SkinError
 from lammps_skin.model.scene import Scene
-from lammps_skin.run import checkpoints, simulation
+from lammps_skin.run import checkpoints
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.trajectory.frame import Frame
@@ -167,7 +168,7 @@ def kill_at(tick: int) -> None:
     for place, name in (
         (checkpoints, "sync"), (files, "sync"), (Path, "replace"), (Path, "unlink"),
         (Path, "write_text"), (TrajectoryWriter, "_append"), (TrajectoryWriter, "write"),
-        (simulation.Engine, "run_to"),
+        (Engine, "run_to"),
     ):  # fmt: skip
         setattr(place, name, around(getattr(place, name)))
 

@@ -1,10 +1,13 @@
-"""The quarter-ring scene to t = 1000: covered, with outward papillae, and without a fault."""
+"""The default set makes a basal layer on outward papillae, and without a fault."""
 
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+from lammps_skin.analysis.basal_layer import LAYER
 from lammps_skin.analysis.observables import observables
+from lammps_skin.arrays import Floats
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 
@@ -14,6 +17,21 @@ EXPECTED_WARNINGS = (
     "force values in table DERMIS_DERMIS are inconsistent with -dE/dr.",
     "Should only be flagged at inflection points",
 )
+
+
+def at(table: Floats, name: str, times: list[float]) -> Floats:
+    """Values of a column at times of frames."""
+    return table[name][np.searchsorted(table["time"], times)]
+
+
+def test_a_small_patch(tmp_path: Path) -> None:
+    scene = Scene.load("demo").replace(end_time=400.0)
+    with Simulation.begin(scene, tmp_path) as simulation:
+        simulation.run()
+    table = observables(tmp_path)
+    assert at(table, "coverage", [250.0, 400.0]).min() > 0.95
+    assert at(table, "none_below", [250.0, 400.0]).min() >= 0.95
+    assert table["most_on_particle"].max() <= 3
 
 
 @pytest.mark.slow
@@ -26,14 +44,16 @@ def test_quarter_ring(seed: int, tmp_path: Path) -> None:
         cells = simulation.cells()
 
     table = observables(tmp_path)
-    late = {name: table[name][table["time"] >= 400].mean() for name in table.dtype.names}
     assert table["time"][-1] == pytest.approx(1000)
+    assert at(table, "none_below", [400.0, 700.0, 1000.0]).min() >= LAYER
+    late = {name: table[name][table["time"] >= 400].mean() for name in table.dtype.names}
     assert late["coverage"] > 0.95
     assert late["papillae"] > 10
-    assert late["papilla_height"] > scene.cells.radius
+    assert late["papilla_height"] > 1.0
     assert late["skewness"] > 0.5
-    assert late["chi_H"] > 0
-    assert late["zeta"] > 0.5
+    assert late["chi_H"] > 0.1
+    assert late["zeta"] > 0.1
+    assert late["stem_on_tips"] > late["stem_tips_expected"]
     assert (cells.types == 3).sum() == scene.cells.stem
 
     kinds = re.findall(r"^[^,\n]+,(birth|death),", (tmp_path / "events.csv").read_text(), re.M)

@@ -159,7 +159,7 @@ def test_the_stiffest_kind_counts() -> None:
     plain, own = scene(), scene(**{"cells.kinds.nd.stiffness": 1e6})
     assert stiffest(own) == stiffest(plain)  # there are no ND cells
     own = scene(**{"cells.kinds.ta.stiffness": 1e6})
-    assert stiffest(own) == ("adhesion", pytest.approx(2e6 / own.contact**2))
+    assert stiffest(own) == ("adhesion", pytest.approx(2e6 / own.contact))  # of direct forces
     wide = scene(**{"cells.kinds.ta.range": 1.9})
     assert Terms(wide).cutoffs["adhesion"] == pytest.approx(1.9 * wide.contact)
 

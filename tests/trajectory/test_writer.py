@@ -12,6 +12,7 @@ import pytest
 from lammps_skin.cli import main
 from lammps_skin.errors import SkinError
 from lammps_skin.kinds import KINDS
+from lammps_skin.model.parameters import DEFAULT
 from lammps_skin.model.scene import Scene
 from lammps_skin.start import lattice
 from lammps_skin.trajectory import writer
@@ -85,7 +86,7 @@ def test_metadata_make_the_scene_again(run, file):
     keys = tomllib.loads(parameters["scene"])
     assert Scene.from_dict(keys).model_dump() == run.scene.model_dump()
     assert keys["cells"]["adhesion_range"] == 1.2  # resolved: of the parameter set
-    assert parameters["seed"] == run.scene.cell_seed and parameters["parameters"] == "papilla"
+    assert parameters["seed"] == run.scene.cell_seed and parameters["parameters"] == DEFAULT
     assert dict(file["parameters/species"].attrs) == {kind.label: int(kind) for kind in KINDS}
     versions = dict(file["parameters/versions"].attrs)
     assert {"python", "lammps-skin", "lammps", "numpy", "h5py"} <= versions.keys()

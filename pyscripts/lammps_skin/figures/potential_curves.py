@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from lammps_skin.arrays import Floats
 from lammps_skin.model import potentials
+from lammps_skin.model.parameters import DEFAULT
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import TERMS, Terms
 from lammps_skin.style import plain
@@ -17,7 +18,7 @@ from lammps_skin.style import plain
 AGE = 5.0  # of the dividing pair whose spring is shown, time
 POINTS = 601
 ACROSS = 4  # panels in a row
-SETS = ("printed", "papilla")
+SETS = ("printed", DEFAULT)
 
 
 class Curve(NamedTuple):

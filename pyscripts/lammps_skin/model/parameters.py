@@ -5,9 +5,9 @@ The printed numbers themselves are the defaults of the scene's fields (`lammps_s
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
-DEFAULT = "papilla"
+DEFAULT: Final = "earlier-stiff"
 
 EARLIER_CELLS = {"division_spring": "length", "adhesion_stiffness": 5.0, "adhesion_range": 1.2}
 
@@ -42,10 +42,10 @@ SETS: dict[str, dict[str, Any]] = {
 
 SUMMARIES = {
     "printed": "the paper's numbers with only the repairs that make them defined; runs away",
-    "papilla": "printed, length spring, adhesion range 1.2 (the default)",
+    "papilla": "printed, length spring, adhesion range 1.2: the stiff case, cells heap",
     "weak5": "printed, length spring, adhesion stiffness 5",
     "direct5": "weak5 with direct forces",
     "earlier": "direct5, adhesion range 1.2: the mechanics of the authors' earlier program",
-    "earlier-stiff": "earlier, bending stiffness 10: that of later work of the authors' group",
+    "earlier-stiff": "earlier, bending stiffness 10 of the group's later work (the default)",
     "earlier-full": "earlier, and that program's fold term, rules of dividing pairs and start",
 }

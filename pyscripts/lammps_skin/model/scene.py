@@ -56,7 +56,7 @@ class Scene(Part):
     description: str = ""
     parameters: Literal[
         "printed", "papilla", "weak5", "direct5", "earlier", "earlier-stiff", "earlier-full"
-    ] = "papilla"
+    ] = parameters.DEFAULT
     force_scale: Literal["printed", "direct"] = "printed"
     seed: Seed = 1
     box: tuple[Positive, Positive] | None = Field(

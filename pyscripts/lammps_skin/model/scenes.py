@@ -90,11 +90,11 @@ BUILT_IN: dict[str, dict[str, Any]] = {
         "cells": {"stem": 1, "arrangement": "cluster"},
     },
     "mutant": _of_kinds(
-        "one stem cell whose descendants adhere three times as strongly as those of five others",
+        "one stem cell whose descendants adhere half as strongly again as those of five others",
         5,
         {
             "mutant": {"like": "stem", "count": 1, "daughter": "mutantta"},
-            "mutantta": {"like": "ta", "stiffness": 75.0},
+            "mutantta": {"like": "ta", "stiffness": 7.5},
         },
     ),
     "two-ta": _of_kinds(
@@ -133,12 +133,13 @@ BUILT_IN: dict[str, dict[str, Any]] = {
         },
     ),
     "stiffening": _with(
-        "the dermis becomes ten times as stiff when the membrane begins to fold",
+        "the dermis becomes ten times as stiff when papillae begin to form, and flattens them",
         {
             "name": "stiffening",
-            "at": 200.0,
+            "at": 400.0,
             "set": {"dermis": {"stiffness": 0.4, "membrane_stiffness": 0.4}},
         },
+        end_time=800.0,
     ),
     "thinning": _with(
         "every 60 time units a quarter of the stem cells is lost, until nothing renews the tissue",

@@ -20,6 +20,7 @@ from lammps_skin.engine.engine import Forces
 from lammps_skin.errors import ConfigurationError
 from lammps_skin.kinds import KINDS, Kind
 from lammps_skin.model import potentials
+from lammps_skin.model.parameters import DEFAULT
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import Terms
 from lammps_skin.run.simulation import Simulation
@@ -215,7 +216,7 @@ class Evaluation:
 
 
 def evaluate(
-    path: Path, parameters: str = "papilla", changes: dict[str, Any] | None = None
+    path: Path, parameters: str = DEFAULT, changes: dict[str, Any] | None = None
 ) -> Evaluation:
     """Energies and forces of the configuration in a text file, with the scene's own styles."""
     changes = changes or {}

@@ -7,6 +7,7 @@ import pytest
 from lammps_skin.analysis.lineage import read_events
 from lammps_skin.analysis.observables import least, observables
 from lammps_skin.analysis.statistics import mean_in_time
+from lammps_skin.model.parameters import DEFAULT
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 
@@ -44,7 +45,7 @@ def test_what_is_printed(skin, run):
     answer = skin("stats", run)
     assert answer.code == 0 and "Traceback" not in answer.err
     first, *lines = answer.out.splitlines()
-    assert first == "tiny, papilla, seed 1: 7 frames, t = 0 to 3"
+    assert first == f"tiny, {DEFAULT}, seed 1: 7 frames, t = 0 to 3"
     words = {line.split()[0] for line in lines if line.strip()}
     assert {"ta", "coverage", "births", "clone", "zeta", "stretch", "total"} <= words
     assert "nan" not in answer.out
@@ -74,7 +75,7 @@ def test_the_seed_is_that_of_the_run(skin, scene, tmp_path):
     with Simulation.begin(scene, tmp_path / "run", variables={"seed": 7}) as simulation:
         simulation.run(until=1.0)
     first = skin("stats", "run").out.splitlines()[0]
-    assert first == "tiny, papilla, seeds 7 of cells, 1 of dermis: 3 frames, t = 0 to 1 of 3"
+    assert first == f"tiny, {DEFAULT}, seeds 7 of cells, 1 of dermis: 3 frames, t = 0 to 1 of 3"
     told = json.loads(skin("stats", "run", "--json").out)["run"]
     assert (told["seed"], told["cell_seed"], told["dermis_seed"]) == (1, 7, 1)
 

