@@ -57,6 +57,14 @@ def names(found: Collection[Reading]) -> list[str]:
 LOW: dict[str, Change] = {"zeta_nd": lambda *_: -1.0}  # claim 9 does not hold
 
 
+def test_departures_of_kinds_of_cells_are_those_that_are_given(tmp_path):
+    (full,) = read([reading(tmp_path, "earlier-full", only=("ring",))])
+    assert [key for key in full.departures if "kinds" in key] == [
+        "cells.kinds.ta.paired_with", "cells.kinds.ta.paired_stiffness",
+    ]  # fmt: skip
+    assert len(full.departures) == 12
+
+
 def test_most_claims_then_fewest_departures(tmp_path):
     found = read([
         reading(tmp_path / "a", "papilla", changes=LOW),

@@ -16,6 +16,7 @@ from typing import Any, Literal, NamedTuple
 from lammps_skin.analysis.basal_layer import LAYER
 from lammps_skin.analysis.statistics import Mean
 from lammps_skin.errors import SceneError, SkinError
+from lammps_skin.model.cell_kinds import ROWS
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import ARRANGEMENTS
 from lammps_skin.study.claims.catalogue import judge_all
@@ -27,7 +28,8 @@ SIZE = "quarter"
 NAMING = ("parameters", "cells.generations")  # the keys by which readings are named
 ASIDE = ("description", "seed", "end_time", "numerics.", "output.")  # not what is simulated
 STIFFNESS = "membrane.bending_stiffness"
-PRINTED = Scene.from_dict({"parameters": "printed"})
+# with all keys of the four kinds of cells, also those that only other sets give
+PRINTED = Scene.from_dict({"parameters": "printed", "cells": {"kinds": {row: {} for row in ROWS}}})
 
 
 class Layer(NamedTuple):
