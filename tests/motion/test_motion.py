@@ -11,6 +11,8 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
 
+from tests.cells.conftest import FOUR_STEPS
+
 CORNER = 2 * 24 + 5  # of the lattice of bare-membrane below
 
 
@@ -116,16 +118,16 @@ def test_hopeless_steps_end_the_run() -> None:
 def test_a_link_that_breaks_divides_the_step(move: float, ranks: int) -> None:
     """A particle that is pulled has a place of rest; without `move` its links break on the way."""
     scene, configuration = sheet(
-        **{"numerics.accuracy": "balanced", "numerics.largest_move": move, "membrane.noise": 0.0}
+        numerics={**FOUR_STEPS, "largest_move": move}, **{"membrane.noise": 0.0}
     )
     with Simulation.begin(scene, configuration=configuration, ranks=ranks) as simulation:
         simulation.command(f"group one id {CORNER}")
         simulation.command("fix pull one addforce 0 0 100")
         if not move:
             with pytest.raises(SimulationError, match=r"link of atoms .* on step 1, its singular"):
-                simulation.run(until=1.0)
+                simulation.run(until=0.5)
             return
-        simulation.run(until=1.0)
+        simulation.run(until=0.5)
         motion = simulation.motion()
     assert motion.divided >= 1 and motion.evaluations > 10
 

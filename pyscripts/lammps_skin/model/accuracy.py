@@ -25,7 +25,6 @@ LEVELS: dict[str, dict[str, Any]] = {
         "integrator": "rkl1",
         "stages": 13,
         "timestep": 2.0,
-        "stiffness_limit": 80.0,
         "largest_move": 1.2,
         "pair_form": "skin",
         "event_interval": 2.0,
@@ -36,7 +35,7 @@ LEVELS: dict[str, dict[str, Any]] = {
 SUMMARIES: dict[Level, str] = {
     "reference": "forward Euler with a timestep of 0.01",
     "balanced": "Runge-Kutta-Legendre steps of 1 and of second order",
-    "fast": "Runge-Kutta-Legendre steps of 2",
+    "fast": "Runge-Kutta-Legendre steps of 2 and of first order",
 }
 
 TIMESTEPS = (2.0, 1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.02, 0.01)  # of which a level takes one

@@ -92,13 +92,13 @@ def test_sizes_beyond_all_measure(key: str, size: float) -> None:
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"numerics.timestep": 0.1}, "timestep = 0.1: euler is stable up to 0.0308 with folds of"),
+        ({"numerics.timestep": 0.1}, "timestep = 0.1: euler is stable up to 0.0308 with folds as"),
         ({"numerics.timestep": 0.1, "numerics.largest_move": 0.0}, "likely to end in an error"),
-        ({"membrane.bending_stiffness": 1e4}, "up to 0.00308 with folds of the membrane"),
+        ({"membrane.bending_stiffness": 1e4}, "up to 0.00308 with folds as"),
         ({"cells.binding_stiffness": 2500.0}, r"up to 0.00096 with binding \(stiffness 2.08e"),
         (
             {"numerics.accuracy": "balanced", "numerics.stages": 3},
-            "timestep = 1: rkl2 with 3 stages is stable up to 0.0769 with folds of the membrane",
+            "timestep = 1: rkl2 with 3 stages is stable up to 0.0769 with folds as runs of",
         ),
         (
             {"numerics.accuracy": "fast", "cells.adhesion_stiffness": 2500.0},

@@ -17,44 +17,27 @@ REFERENCE = "reference"
 OWN = "scene"  # the variant with the numerics that the scene gives itself
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,39}")
 
-# variations of single keys of the reference or of another level, or of a timestep with the stages
-# that it needs
+# variations of single keys of the reference or of another level, or of a timestep, for which the
+# level chooses the stages
 VARIATIONS: dict[str, dict[str, Any]] = {
     "euler-0.02": {"timestep": 0.02},
     "euler-0.005": {"timestep": 0.005},
-    "rkl1-1-limit": {"accuracy": "balanced", "timestep": 1.0, "stages": 11},
-    "rkl1-0.5-limit": {
-        "accuracy": "balanced", "timestep": 0.5, "stages": 7, "neighbor_skin": 0.25,
+    "rkl1-1": {"accuracy": "balanced", "integrator": "rkl1"},
+    "rkl1-0.5": {"accuracy": "balanced", "integrator": "rkl1", "timestep": 0.5},
+    "rkl1-0.25": {"accuracy": "balanced", "integrator": "rkl1", "timestep": 0.25},
+    "rkl1-0.25-limit": {
+        "accuracy": "balanced", "integrator": "rkl1", "timestep": 0.25, "stiffness_limit": 100.0,
     },
-    "rkl1-1": {"accuracy": "balanced", "timestep": 1.0, "stages": 11, "stiffness_limit": 0.0},
-    "rkl1-0.5": {"accuracy": "balanced", "timestep": 0.5, "stages": 7, "stiffness_limit": 0.0},
-    "rkl1-0.25": {
-        "accuracy": "balanced", "timestep": 0.25, "stages": 5, "stiffness_limit": 0.0,
-    },
-    "rkl2-0.2": {
-        "accuracy": "balanced", "integrator": "rkl2", "timestep": 0.2, "stages": 9,
-        "stiffness_limit": 0.0,
-    },
-    "rkl2-0.1": {
-        "accuracy": "balanced", "integrator": "rkl2", "timestep": 0.1, "stages": 6,
-        "stiffness_limit": 0.0,
-    },
-    "rkl2-0.05": {
-        "accuracy": "balanced", "integrator": "rkl2", "timestep": 0.05, "stages": 4,
-        "stiffness_limit": 0.0,
-    },
-    "rkl2-0.2-limit": {
-        "accuracy": "balanced", "integrator": "rkl2", "timestep": 0.2, "stages": 5,
-        "stiffness_limit": 70.0,
-    },
+    "rkl2-0.5": {"accuracy": "balanced", "timestep": 0.5},
+    "rkl2-0.25": {"accuracy": "balanced", "timestep": 0.25},
+    "rkl2-0.1": {"accuracy": "balanced", "timestep": 0.1},
     "table-linear": {"pair_form": "table", "table_style": "linear"},
     "table-spline": {"pair_form": "table", "table_style": "spline"},
     "events-1": {"event_interval": 1.0},
     "balanced-analytic": {"accuracy": "balanced", "pair_form": "analytic"},
-    "balanced-events-1": {"accuracy": "balanced", "event_interval": 1.0},
-    "balanced-skin-0.2": {"accuracy": "balanced", "neighbor_skin": 0.2},
     "balanced-skin-0.25": {"accuracy": "balanced", "neighbor_skin": 0.25},
-}  # fmt: skip
+    "balanced-skin-1": {"accuracy": "balanced", "neighbor_skin": 1.0},
+}
 
 
 @dataclass(frozen=True)
