@@ -148,10 +148,10 @@ def test_cost_grows_with_what_it_is_made_of():
     assert estimate(scene.replace(end_time=2000.0)).steps == 2 * whole.steps
     assert estimate(scene.replace(**{"dermis.present": False})).first_step < whole.first_step
     rare = estimate(scene.replace(**{"numerics.event_interval": 2.0}))
-    assert rare.seconds < 0.9 * whole.seconds and rare.first_step < whole.first_step
+    assert rare.seconds < 0.95 * whole.seconds and rare.first_step < whole.first_step
     small = estimate(Scene.load("bare-membrane"))
     large = estimate(Scene.load("bare-membrane").replace(**{"membrane.lattice": [80, 92]}))
-    assert large.first_step == pytest.approx(4 * small.first_step, rel=1e-12)
+    assert 3 < large.first_step / small.first_step < 4  # an evaluation costs something by itself
     assert large.memory > small.memory
 
 

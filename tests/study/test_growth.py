@@ -34,10 +34,34 @@ def test_newborn_that_do_not_divide_come_one_by_one():
         assert expected({"stem": 2}, **change)[0] == pytest.approx([2, 4, 6, 8, 10])
 
 
-def test_there_is_no_more_than_there_is_room():
+@pytest.mark.parametrize("strength", CROWDED)
+def test_there_is_no_more_than_there_is_room(strength):
+    """Cells that are bound stay; where adhesion is stronger there is room for more."""
     lx, ly, _ = Scene.from_dict(BASE).box_sides
-    assert expected({"ta": 100})[0][-1] == pytest.approx(CROWDED * lx * ly)
-    assert expected({"nd": 10_000})[0] == pytest.approx(10_000)
+    changed = {"cells.adhesion_stiffness": strength}
+    cells, _ = expected({"ta": 100}, **changed)
+    assert cells[-1] == pytest.approx(CROWDED[strength] * lx * ly)
+    assert expected({"nd": 10_000}, **changed)[0] == pytest.approx(10_000)
+
+
+def test_generations_end():
+    """Of one TA cell come 2^M cells that no longer divide; a stem cell goes on."""
+    cells, divisions = expected({"ta": 8}, **{"cells.generations": 2})
+    assert cells == pytest.approx([8, 16, 32, 32, 32])
+    assert divisions == pytest.approx([0.8, 1.6, 0, 0, 0])
+    cells, divisions = expected({"stem": 8}, **{"cells.generations": 1})
+    assert cells == pytest.approx([8, 16, 32, 48, 64])  # one TA cell in each cycle, soon two
+    assert divisions == pytest.approx([0.8, 1.6, 1.6, 1.6, 1.6])
+
+
+def test_numbers_of_the_default_ensembles():
+    """Means of eight seeds of quarter-ring with earlier-stiff, in docs/data/readings."""
+    scene = Scene.load("quarter-ring").replace(parameters="earlier-stiff")
+    times = np.array([0, 100, 200, 300, 400, 600, 800, 1000])
+    fine = np.linspace(0, 1000, 201)
+    found = growth(scene, {"stem": 16}, fine)
+    cells = np.interp(times, fine, found.cells)
+    assert cells == pytest.approx([16, 72, 312, 617, 649, 562, 644, 686], rel=0.2)
 
 
 def test_what_interventions_do_is_counted():

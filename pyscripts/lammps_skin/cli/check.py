@@ -15,11 +15,12 @@ from lammps_skin.cli.options import (
     Parameters,
     Seed,
     Settings,
-    Source,
     scene_from,
 )
 from lammps_skin.cli.output import console, counted, duration, print_table
-from lammps_skin.errors import one_line
+from lammps_skin.engine.machine import cores
+from lammps_skin.engine.rank_count import efficiency, worthwhile
+from lammps_skin.errors import SceneError, one_line
 from lammps_skin.kinds import Kind
 from lammps_skin.model.changes import scene_at
 from lammps_skin.model.remarks import remarks
@@ -31,11 +32,15 @@ from lammps_skin.start.configuration import Configuration, check_sizes
 from lammps_skin.start.counts import first_counts
 from lammps_skin.start.sheet import membrane_at_start
 from lammps_skin.study import cost
+from lammps_skin.study.rates import calibration_file, stored
 from lammps_skin.study.simplifications import Simplification, candidates, measured
 
 
 def check(
-    scene: Source,
+    scene: Annotated[
+        str | None,
+        typer.Argument(metavar="SCENE", help="Name of a built-in scene, or a .toml file."),
+    ] = None,
     parameters: Parameters = None,
     accuracy: Accuracy = None,
     seed: Seed = None,
@@ -45,11 +50,21 @@ def check(
     measure: Annotated[
         bool, typer.Option("--measure", help="Time a short run of the scene on this machine.")
     ] = False,
+    calibrate: Annotated[
+        bool,
+        typer.Option("--calibrate", help="Measure how fast this machine is, for all estimates."),
+    ] = False,
     savings: Annotated[
         bool, typer.Option("--savings", help="Measure what leaving parts out would save.")
     ] = False,
 ) -> None:
     """Show what a scene has and what it will cost, without running it."""
+    if calibrate:
+        _calibrate()
+    if scene is None:
+        if not calibrate:
+            raise SceneError("SCENE: is missing; skin scenes lists the built-in ones")
+        return
     described = scene_from(scene, parameters, settings, accuracy, seed, run, at)
     check_sizes(described, described.box_sides)
     if described.start.run is None:
@@ -77,6 +92,15 @@ def check(
         found = measured(described) if savings else list(candidates(described))
     heads = ["could be left out", "risk", *(["step time"] if savings else [])]
     print_table(heads, _savings(found), whole=[0, 2], fold=True)
+
+
+def _calibrate() -> None:
+    with console.status("measuring"):
+        running, starting = cost.calibrate()
+    console.print(
+        f"calibrated: runs take {running:.2f} times, starts {starting:.2f} times as long as on the "
+        f"machine of docs/speed.md; stored in {calibration_file()}"
+    )
 
 
 def _beginning(scene: Scene) -> str:
@@ -217,6 +241,7 @@ def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
     expected = cost.estimate(scene)
     factor = measured / expected.first_step if measured else 1.0
     yield "memory", f"{expected.memory / 1e6:,.0f} MB"
+    yield "disk", f"about {expected.disk / 1e6:,.3g} MB"
     yield "cells at the end", f"about {expected.cells:,.0f}"
     rest = f", from t = {scene.begins:.10g} to {scene.end_time:g}" if scene.begins else ""
     yield "steps", f"{expected.steps:,}{rest}"
@@ -226,6 +251,12 @@ def _costs(scene: Scene, measured: float | None) -> Iterator[tuple[str, ...]]:
         yield "", f"{measured * 1e3:.3g} ms measured"
     seconds = expected.start + factor * (expected.seconds - expected.start)
     yield "the whole run", f"about {duration(seconds)}"
+    particles = sum(first_counts(scene).values())
+    if (ranks := worthwhile(particles, cores())) > 1:
+        shared = (seconds - expected.start) / (ranks * efficiency(particles / ranks))
+        yield f"on {ranks} cores", f"about {duration(expected.start + shared)}"
+    if not stored():
+        yield "", "of a machine like that of docs/speed.md; skin check --calibrate measures yours"
 
 
 def _savings(found: list[Simplification]) -> Iterator[tuple[str, ...]]:

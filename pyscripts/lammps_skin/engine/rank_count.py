@@ -14,6 +14,9 @@ from lammps_skin.engine.world import launched
 PARTICLES = 2000
 """Of a rank, at least; two with 2,000 each are 1.4 times faster than one (docs/scaling.md)."""
 
+LOST = 600
+"""Particles that a rank could compute in the time in which it waits for others (likewise)."""
+
 
 def open_engine(
     ranks: int | None, threads: int, held: int, directory: Path, *arguments: Any
@@ -52,6 +55,11 @@ def open_engine(
 def worthwhile(particles: int, cores: int) -> int:
     """How many ranks pay off for so many particles, of so many cores."""
     return max(1, min(cores, particles // PARTICLES))
+
+
+def efficiency(particles: float) -> float:
+    """Share of the time of a rank with so many particles in which it computes."""
+    return particles / (particles + LOST)
 
 
 def choose(particles: int, threads: int = 1) -> tuple[int, str]:

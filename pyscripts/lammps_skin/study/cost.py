@@ -1,58 +1,36 @@
-"""What a run will cost: memory, steps and seconds, from a few measured numbers.
+"""What a run will cost: memory, disk, steps and seconds, from measured rates.
 
-The numbers in `Rates` are of one core, from whole runs of built-in scenes
-(``python benchmarks/run_cost.py``); `measure` times a short run of a scene on this machine.
+`measure` times a short run of a scene on this machine.
 """
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 
 from lammps_skin.arrays import Floats
-from lammps_skin.engine.machine import A_PROCESS
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
+from lammps_skin.run.checkpoints import KEPT
 from lammps_skin.run.simulation import Simulation
+from lammps_skin.start.configuration import Configuration
 from lammps_skin.start.counts import first_counts
-from lammps_skin.start.memory import PER_PARTICLE
-from lammps_skin.study.growth import growth
+from lammps_skin.study.growth import CROWDED, growth
+from lammps_skin.study.rates import SHIPPED, Rates, rates_here, store
 
 EVENTS_PER_CYCLE = 3.0  # of a cell: its share in births, ends of divisions and removals
 REBUILDS_BY_MOTION = 0.15  # per time unit, divided by the neighbor skin
+# parts of a step, beside the first, where cells heap and stiffness has no limit, by integrator
+HEAPED = {"euler": 0.0, "rkl1": 0.5, "rkl2": 1.5}
+PROCESS, HELD = 130e6, 2800.0  # bytes of memory of a process, and of a particle in it
+FRAMED, SAVED, BUILT = 23.0, 330.0, 190.0  # bytes of a particle in a frame, checkpoint, skin.data
+LOGGED = 80.0  # bytes of an event in the log
 
-
-@dataclass(frozen=True)
-class Rates:
-    """Seconds of one core and bytes.
-
-    Attributes
-    ----------
-    step : float
-        Seconds of a step in a whole run, whatever its size: output, checkpoints, progress.
-    particle, dermal, cell, link : float
-        Seconds of a step: for every particle, and what dermal particles, cells and links add.
-    rebuild : float
-        Seconds of a rebuild of the neighbor lists, for every particle.
-    start, packed : float
-        Seconds until the first step: of a process that loads the package and LAMMPS, and for every
-        dermal particle that is packed.
-    base_memory, particle_memory : float
-        Bytes of the process, and for every particle with its links.
-    """
-
-    step: float = 1.0e-3
-    particle: float = 1.9e-8
-    dermal: float = 3.8e-7
-    cell: float = 1.14e-6
-    link: float = 3.4e-8
-    rebuild: float = 1.9e-6
-    start: float = 2.5
-    packed: float = 9.0e-4
-    base_memory: float = A_PROCESS
-    particle_memory: float = PER_PARTICLE
+# what a calibration times, and seconds of a step of it where the shipped rates were measured
+TIMED, TIMED_STEP = "quarter-ring", 1.6e-2
+TIMED_KEYS = {"parameters": "earlier-stiff", "numerics.accuracy": "balanced"}
 
 
 @dataclass(frozen=True)
@@ -67,7 +45,7 @@ class Cost:
         Number that is expected at the end.
     start, first_step, seconds : float
         Seconds until the first step, of the first step, and of all.
-    memory : float
+    memory, disk : float
         Bytes.
     """
 
@@ -77,34 +55,57 @@ class Cost:
     first_step: float
     seconds: float
     memory: float
+    disk: float
 
 
 def estimate(scene: Scene, rates: Rates | None = None) -> Cost:
     """Expected cost of a whole run, from the time at which it begins."""
-    rates = rates or Rates()
+    rates = rates or rates_here()
     first = first_counts(scene)
     membrane, dermal = first[Kind.MEMBRANE], first[Kind.DERMAL]
-    steps = round((scene.end_time - scene.begins) / scene.numerics.timestep)
+    duration, timestep = scene.end_time - scene.begins, scene.numerics.timestep
     times = np.linspace(scene.begins, scene.end_time, 201)
     found = growth(scene, {kind.label: n for kind, n in first.items() if is_cell(kind)}, times)
-    particles = membrane + dermal + found.cells
-    forces = (
-        rates.particle * particles
-        + rates.dermal * dermal
-        + rates.cell * found.cells
-        + rates.link * 3 * membrane
-    )
-    rebuilds = _rebuilds(scene, found.divisions) * scene.numerics.timestep
-    step = scene.numerics.evaluations * forces + rates.rebuild * particles * rebuilds
+    done = work(scene, membrane, dermal, found.cells, found.divisions)
+    each = done * astuple(rates)[: done.shape[1]]
+    seconds = each.sum(axis=1)
     start = rates.start + rates.packed * (0 if scene.start.run else dermal)
+    particles = membrane + dermal + found.cells
+    output = scene.output
+    frames = duration / output.dump_interval if output.dump_interval else 0.0
+    saved = KEPT if output.checkpoint_interval else 1
+    events = EVENTS_PER_CYCLE * float(found.divisions.mean()) * duration
     return Cost(
-        steps=steps,
+        steps=round(duration / timestep),
         cells=float(found.cells[-1]),
         start=start,
-        first_step=float(step[0]),
-        seconds=start + steps * (rates.step + float(step.mean())),
-        memory=rates.base_memory + rates.particle_memory * float(particles[-1]),
+        first_step=timestep * float(seconds[0] - each[0, -1]),  # without a frame
+        seconds=start + duration * float(seconds.mean()),
+        memory=PROCESS + HELD * float(particles.max()),
+        disk=float((BUILT + FRAMED * frames + SAVED * saved) * particles.mean()) + LOGGED * events,
     )
+
+
+def work(scene: Scene, membrane: float, dermal: float, cells: Floats, divisions: Floats) -> Floats:
+    """What is done in a time unit (n, 6), in the order of `Rates`, for numbers of cells (n,)."""
+    numerics, interval = scene.numerics, scene.output.dump_interval
+    evaluations = numerics.evaluations / numerics.timestep * _parts(scene, cells)
+    frames = np.full(len(cells), 1 / interval if interval else 0.0)
+    particles = membrane + dermal + cells
+    return np.column_stack([
+        evaluations, evaluations * membrane, evaluations * dermal, evaluations * cells,
+        _rebuilds(scene, divisions) * particles, frames,
+    ])  # fmt: skip
+
+
+def _parts(scene: Scene, cells: Floats) -> Floats:
+    """Into how many parts a step is divided: heaps of cells draw the membrane out into tethers."""
+    lx, ly, _ = scene.box_sides
+    numerics = scene.numerics
+    if numerics.stiffness_limit:
+        return np.ones(len(cells))
+    heaped: Floats = np.interp(cells / (lx * ly), [*CROWDED.values()], [0.0, 1.0])
+    return 1 + HEAPED[numerics.integrator] * heaped
 
 
 def _rebuilds(scene: Scene, divisions: Floats) -> Floats:
@@ -115,15 +116,34 @@ def _rebuilds(scene: Scene, divisions: Floats) -> Floats:
     return by_events + REBUILDS_BY_MOTION / numerics.neighbor_skin
 
 
-def measure(scene: Scene, seconds: float = 1.0) -> float:
-    """Seconds of a step at the start of a scene, from a run of about `seconds` here and now."""
-    timestep = scene.numerics.timestep
+def measure(
+    scene: Scene, seconds: float = 1.0, configuration: Configuration | None = None
+) -> float:
+    """Seconds of a step at the start of a scene, from a run of about `seconds` here and now.
+
+    They are CPU time of this thread, and hardly depend on what else runs.
+    """
     steps = max(round(seconds / estimate(scene).first_step), 20)
-    warm_up = max(steps // 10, 1)
     quiet = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
-    with Simulation.begin(scene.replace(**quiet)) as simulation:
-        first = simulation.time
+    with Simulation.begin(scene.replace(**quiet), configuration=configuration) as simulation:
+        first, timestep = simulation.time, simulation.timestep
+        warm_up = max(steps // 10, 1)
         simulation.run(until=first + warm_up * timestep)
-        began = time.perf_counter()
+        began = time.thread_time()
         simulation.run(until=first + (warm_up + steps) * timestep)
-        return (time.perf_counter() - began) / steps
+        return (time.thread_time() - began) / steps
+
+
+def calibrate() -> tuple[float, float]:
+    """How many times longer than by the shipped rates a run, and its start, take here.
+
+    Both are stored, for all estimates on this machine.
+    """
+    scene = Scene.load(TIMED).replace(**TIMED_KEYS)
+    began = time.thread_time()
+    state = Configuration.from_scene(scene)
+    dermal = int((state.kinds == Kind.DERMAL).sum())
+    starting = (time.thread_time() - began) / (SHIPPED.packed * dermal)
+    running = measure(scene, configuration=state) / TIMED_STEP
+    store(running, starting)
+    return running, starting

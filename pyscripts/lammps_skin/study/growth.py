@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -15,8 +16,11 @@ from lammps_skin.model.changes import scene_at
 from lammps_skin.model.interventions import ALL, Intervention
 from lammps_skin.model.scene import Scene
 
-CROWDED = 0.7  # cells per unit area of a covered membrane, with the default parameters
-MOST_DOUBLINGS = 60.0  # between two times
+# cells per unit area of a covered membrane, with two strengths of adhesion: they make one layer
+# with the weaker one, and heap with the other
+CROWDED = {5.0: 0.27, 25.0: 0.7}
+PHASES = 8  # of the cycle, in which the first cells are
+MOST_CYCLES = 12  # between two times
 GRID = 32  # points along a side of the box, for the share of a region
 
 
@@ -27,8 +31,29 @@ class Growth(NamedTuple):
     divisions: Floats
 
 
+@dataclass(frozen=True)
+class Cohort:
+    """Cells of a kind that divide together.
+
+    Attributes
+    ----------
+    label : str
+        Of their kind.
+    number : float
+    left : float
+        Divisions that each of them has left.
+    due : float
+        Time of the next one.
+    """
+
+    label: str
+    number: float
+    left: float
+    due: float
+
+
 def growth(scene: Scene, first: Mapping[str, int], times: Floats) -> Growth:
-    """What is expected at times: kinds that divide double in a cycle of theirs until it is crowded.
+    """What is expected at times, of cells that divide in each cycle of theirs and share the room.
 
     Parameters
     ----------
@@ -41,37 +66,88 @@ def growth(scene: Scene, first: Mapping[str, int], times: Floats) -> Growth:
     """
     lx, ly, _ = scene.box_sides
     shares = {one.name: one.fraction * _share(one, scene) for one in scene.interventions}
-    numbers = {label: float(first.get(label, 0)) for label in scene.cell_table}
+    table = scene_at(scene, times[0]).cell_table
+    cohorts = [one for label, n in first.items() for one in _spread(table[label], n, times[0])]
     rows = []
     for before, now in pairwise([times[0], *times]):
         table = scene_at(scene, now).cell_table
-        _grow(numbers, table, now - before, CROWDED * lx * ly)
+        cohorts = [one for cohort in cohorts for one in _divide(cohort, table, now)]
         for one in scene.interventions:
-            _intervene(numbers, one, _done(one, now) - _done(one, before), shares[one.name])
-        divisions = sum(numbers[row.label] / row.cycle for row in table.values() if _divides(row))
-        rows.append((sum(numbers.values()), divisions))
+            repeats = _done(one, now) - _done(one, before)
+            if repeats:
+                cohorts = list(_intervene(cohorts, table, one, repeats, shares[one.name], now))
+        cohorts = _crowded(_merged(cohorts, table), table, lx * ly)
+        divisions = sum(
+            one.number / table[one.label].cycle for one in cohorts if _divides(one, table)
+        )
+        rows.append((sum(one.number for one in cohorts), divisions))
     cells, happening = np.array(rows).T
     return Growth(cells, happening)
 
 
-def _divides(row: CellKind) -> bool:
-    return row.daughter is not None and row.generations != 0
+def _spread(row: CellKind, number: float, now: float) -> Iterator[Cohort]:
+    """Cells of a kind in all phases of their cycle."""
+    for n in range(PHASES if number else 0):
+        due = now + (n + 0.5) / PHASES * row.cycle
+        yield Cohort(row.label, number / PHASES, _generations(row), due)
 
 
-def _grow(
-    numbers: dict[str, float], table: Mapping[str, CellKind], interval: float, room: float
-) -> None:
-    """Add the newborn of an interval, as far as there is room."""
-    born = dict.fromkeys(numbers, 0.0)
-    for label, row in table.items():
-        if row.daughter is not None and _divides(row):
-            cycles = interval / row.cycle
-            if _divides(table[row.daughter]):  # who divide in turn
-                cycles = 2.0 ** min(cycles, MOST_DOUBLINGS) - 1
-            born[row.daughter] += numbers[label] * cycles
-    free, wanted = max(room - sum(numbers.values()), 0.0), sum(born.values())
-    for label, number in born.items():
-        numbers[label] += number * min(free / wanted, 1.0) if wanted else 0.0
+def _generations(row: CellKind) -> float:
+    return math.inf if row.generations is None else row.generations
+
+
+def _divides(cohort: Cohort, table: Mapping[str, CellKind]) -> bool:
+    return table[cohort.label].daughter is not None and cohort.left > 0
+
+
+def _divide(cohort: Cohort, table: Mapping[str, CellKind], now: float) -> Iterator[Cohort]:
+    """The cells of a cohort, and what they have given birth to up to a time."""
+    if _divides(cohort, table):  # of very many cycles the last ones are enough
+        cycle = table[cohort.label].cycle
+        missed = max(math.floor((now - cohort.due) / cycle) - MOST_CYCLES, 0)
+        cohort = replace(cohort, due=cohort.due + missed * cycle)
+    while cohort.due <= now and _divides(cohort, table):
+        row, due = table[cohort.label], cohort.due
+        cohort = replace(cohort, left=cohort.left - 1, due=due + row.cycle)
+        if row.daughter == row.label:  # they have as many divisions left
+            cohort = replace(cohort, number=2 * cohort.number)
+        elif row.daughter is not None:
+            born = table[row.daughter]
+            newborn = Cohort(born.label, cohort.number, _generations(born), due + born.cycle)
+            yield from _divide(newborn, table, now)
+        if not cohort.left and row.after_last is not None:
+            after = table[row.after_last]
+            cohort = replace(cohort, label=after.label, left=_generations(after))
+    yield cohort
+
+
+def _merged(cohorts: list[Cohort], table: Mapping[str, CellKind]) -> list[Cohort]:
+    """Cohorts that are about in the same phase of the same cycle are one."""
+    found: dict[tuple[str, float, int], Cohort] = {}
+    for one in cohorts:
+        phase = math.floor(one.due / table[one.label].cycle * PHASES + 1e-6)
+        key = one.label, one.left, phase if _divides(one, table) else 0
+        if key in found:
+            one = replace(one, number=one.number + found[key].number)
+        found[key] = one
+    return list(found.values())
+
+
+def _crowded(cohorts: list[Cohort], table: Mapping[str, CellKind], area: float) -> list[Cohort]:
+    """Of kinds that detach, no more cells than there is room for."""
+    numbers = [one.number for one in cohorts if table[one.label].detaches]
+    staying = sum(one.number for one in cohorts) - sum(numbers)
+    adhesive = [one for one in cohorts if table[one.label].adhesion == "adhesive"]
+    weights = [one.number for one in adhesive]
+    if not sum(weights):
+        return cohorts
+    strength = np.average([table[one.label].stiffness for one in adhesive], weights=weights)
+    room = area * float(np.interp(strength, [*CROWDED], [*CROWDED.values()]))
+    kept = min(max(room - staying, 0.0) / sum(numbers), 1.0)
+    return [
+        replace(one, number=kept * one.number) if table[one.label].detaches else one
+        for one in cohorts
+    ]
 
 
 def _done(one: Intervention, time: float) -> int:
@@ -82,16 +158,21 @@ def _done(one: Intervention, time: float) -> int:
     return 1 + (math.floor((last - one.first) / one.every + 1e-9) if one.every else 0)
 
 
-def _intervene(numbers: dict[str, float], one: Intervention, repeats: int, share: float) -> None:
+def _intervene(
+    cohorts: list[Cohort], table: Mapping[str, CellKind], one: Intervention, repeats: int,
+    share: float, now: float,
+) -> Iterator[Cohort]:  # fmt: skip
+    """The cohorts after an intervention."""
     if one.add:
-        numbers[one.add] += repeats * len(one.places or ())
+        yield from _spread(table[one.add], repeats * len(one.places or ()), now)
     chosen = one.remove or one.convert or ()
     leaving = 1 - (1 - share) ** repeats
-    for label in numbers if ALL in chosen else chosen:
-        left = numbers[label] * leaving
-        numbers[label] -= left
-        if one.to:
-            numbers[one.to] += left
+    for cohort in cohorts:
+        if ALL in chosen or cohort.label in chosen:
+            if one.to:
+                yield from _spread(table[one.to], cohort.number * leaving, now)
+            cohort = replace(cohort, number=cohort.number * (1 - leaving))
+        yield cohort
 
 
 def _share(one: Intervention, scene: Scene) -> float:

@@ -26,7 +26,10 @@ VARIATIONS: dict[str, dict[str, Any]] = {
     "rkl1-0.5": {"accuracy": "balanced", "integrator": "rkl1", "timestep": 0.5},
     "rkl1-0.25": {"accuracy": "balanced", "integrator": "rkl1", "timestep": 0.25},
     "rkl1-0.25-limit": {
-        "accuracy": "balanced", "integrator": "rkl1", "timestep": 0.25, "stiffness_limit": 100.0,
+        "accuracy": "balanced",
+        "integrator": "rkl1",
+        "timestep": 0.25,
+        "stiffness_limit": 100.0,
     },
     "rkl2-0.5": {"accuracy": "balanced", "timestep": 0.5},
     "rkl2-0.25": {"accuracy": "balanced", "timestep": 0.25},
