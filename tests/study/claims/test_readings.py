@@ -18,7 +18,7 @@ from lammps_skin.study.claims.tables import Ensemble, Window
 from numpy.lib import recfunctions
 
 from tests.pages import ROOT, text
-from tests.study.claims.made_up import ND, STEM, TIMES, Change, ensembles
+from tests.study.claims.made_up import ND, STEM, TIMES, Change, ensembles, ramp
 
 DATA = ROOT / "docs" / "data"
 OTHERS = {"ta": 500.0, "papilla_width_cells": 3.0, "membrane_area": 1.1, "most_on_particle": 3.0}
@@ -92,6 +92,20 @@ def test_most_claims_then_fewest_departures(tmp_path):
         "The same from ring and nd-b alone:",
     ):
         assert said in page, said
+
+
+def test_what_argues_against_the_choice(tmp_path):
+    """Of two with as many claims the other one may be a cleaner layer, with more findings."""
+    heap = dict.fromkeys((*STEM, *ND), 0.85)
+    always: dict[str, Change] = {"zeta_nd": lambda *_: 0.5 * ramp(300, 500) - 0.25}
+    found = read([
+        reading(tmp_path / "a", "papilla", heap, LOW),
+        reading(tmp_path / "b", "earlier", changes=always),
+    ])  # fmt: skip
+    page = readings_page.markdown(found)
+    said = "Fewer cells lie over others with earlier (M = 10): in the worst window none below"
+    assert said in page
+    assert "as claimed with earlier (M = 10): those of claim 9 (4 instead of 0)." in page
 
 
 def test_what_the_rule_does_not_tell_apart(tmp_path):

@@ -17,7 +17,7 @@ from lammps_skin.study.claims.readings import (
 )
 from lammps_skin.study.claims.readings_levels import levels, long_runs, stiffness
 from lammps_skin.study.claims.report import interval, level, weakest
-from lammps_skin.study.claims.rules import FEWEST_SEEDS, Word
+from lammps_skin.study.claims.rules import FEWEST_SEEDS, Verdict, Word
 from lammps_skin.study.claims.tables import WINDOWS
 from lammps_skin.study.tradeoff.report import Text, markdown_table
 
@@ -178,10 +178,34 @@ def _against(readings: Sequence[Reading]) -> Iterator[str]:
             reason = "makes no basal layer" if other.is_layer == "no" else "is not known enough"
             numbers = ", ".join(map(str, other.claims("holds")))
             yield f"As many claims or more hold with {other.name} ({numbers}), which {reason}."
+    for other in candidates:
+        yield from _better(first, other)
     fewer = [one for one in candidates if len(one.departures) < len(first.departures)]
     if fewer:
         yield f"Nearer to print, and a basal layer, too: {_names(fewer)}."
     yield f"It departs from print in {_and(f'`{key}`' for key in first.departures)}."
+
+
+def _better(first: Reading, other: Reading) -> Iterator[str]:
+    """In what another candidate is nearer to what is wanted than the first."""
+    if first.least and other.least and other.least.value.low > first.least.value.high:
+        yield (
+            f"Fewer cells lie over others with {other.name}: in the worst window none below is "
+            f"{interval(other.least.value)}, not {interval(first.least.value)}."
+        )
+    pairs = [
+        (theirs.claim.number, _as_claimed(theirs), _as_claimed(ours))
+        for ours, theirs in zip(first.verdicts, other.verdicts, strict=True)
+    ]
+    more = [
+        f"{number} ({theirs} instead of {ours})" for number, theirs, ours in pairs if theirs > ours
+    ]
+    if more:
+        yield f"More findings are as claimed with {other.name}: those of claim {_and(more)}."
+
+
+def _as_claimed(one: Verdict) -> int:
+    return sum(finding.outcome() == "yes" for finding in one.findings)
 
 
 # ---- the claims
