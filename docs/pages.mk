@@ -33,7 +33,7 @@ FIFTEEN := --set cells.generations=15
 ENDLESS := --set cells.generations=endless
 $(call row,readings/weak5-10/,$(THREE),1-8,--parameters weak5)
 $(call row,readings/direct5-10/,$(THREE),1-8,--parameters direct5)
-$(call row,readings/earlier-10/,$(QUARTER),1-8,--parameters earlier)
+$(call row,readings/papilla-10/,$(QUARTER),1-8,--parameters papilla)
 $(call row,readings/earlier-15/,$(QUARTER),1-8,--parameters earlier $(FIFTEEN))
 $(call row,readings/earlier-endless/,$(THREE),1-8,--parameters earlier $(ENDLESS))
 $(call row,readings/earlier-full-10/,$(THREE),1-8,--parameters earlier-full)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-DEFAULT: Final = "earlier-stiff"
+DEFAULT: Final = "earlier"
 
 EARLIER_CELLS = {"division_spring": "length", "adhesion_stiffness": 5.0, "adhesion_range": 1.2}
 
@@ -45,7 +45,7 @@ SUMMARIES = {
     "papilla": "printed, length spring, adhesion range 1.2: the stiff case, cells heap",
     "weak5": "printed, length spring, adhesion stiffness 5",
     "direct5": "weak5 with direct forces",
-    "earlier": "direct5, adhesion range 1.2: the mechanics of the authors' earlier program",
-    "earlier-stiff": "earlier, bending stiffness 10 of the group's later work (the default)",
+    "earlier": "direct5, adhesion range 1.2, as in the authors' earlier program (the default)",
+    "earlier-stiff": "earlier, bending stiffness 10: that of later work of the authors' group",
     "earlier-full": "earlier, and that program's fold term, rules of dividing pairs and start",
 }
