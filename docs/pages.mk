@@ -31,9 +31,9 @@ $(call row,,$(SCENES:%=paper-%),1,)
 # the readings of docs/readings.md; that of the default is above
 FIFTEEN := --set cells.generations=15
 ENDLESS := --set cells.generations=endless
+$(call row,readings/papilla-10/,$(QUARTER),1-8,--parameters papilla)
 $(call row,readings/weak5-10/,$(THREE),1-8,--parameters weak5)
 $(call row,readings/direct5-10/,$(THREE),1-8,--parameters direct5)
-$(call row,readings/papilla-10/,$(QUARTER),1-8,--parameters papilla)
 $(call row,readings/earlier-15/,$(QUARTER),1-8,--parameters earlier $(FIFTEEN))
 $(call row,readings/earlier-endless/,$(THREE),1-8,--parameters earlier $(ENDLESS))
 $(call row,readings/earlier-full-10/,$(THREE),1-8,--parameters earlier-full)
@@ -41,10 +41,10 @@ $(call row,readings/earlier-full-15/,$(THREE),1-8,--parameters earlier-full $(FI
 $(call row,readings/earlier-stiff-10/,$(QUARTER),1-8,--parameters earlier-stiff)
 $(call row,readings/earlier-stiff-15/,$(QUARTER),1-8,--parameters earlier-stiff $(FIFTEEN))
 $(call row,readings/earlier-stiff-endless/,$(THREE),1-8,--parameters earlier-stiff $(ENDLESS))
-$(call row,readings/bending-2/,$(TWO),1-4,--parameters earlier --set membrane.bending_stiffness=2.0)
-$(call row,readings/bending-5/,$(TWO),1-4,--parameters earlier --set membrane.bending_stiffness=5.0)
-$(call row,readings/bending-20/,$(TWO),1-4,--parameters earlier --set membrane.bending_stiffness=20.0)
-$(call row,readings/long/,$(TWO),1-4,--parameters earlier-stiff --set end_time=4000.0)
+$(call row,readings/bending-2/,$(TWO),1-4,--set membrane.bending_stiffness=2.0)
+$(call row,readings/bending-5/,$(TWO),1-4,--set membrane.bending_stiffness=5.0)
+$(call row,readings/bending-20/,$(TWO),1-4,--set membrane.bending_stiffness=20.0)
+$(call row,readings/long/,$(TWO),1-4,--set end_time=4000.0)
 
 TABLES := $(MADE)
 
