@@ -162,6 +162,17 @@ docs/data/scaling-small.csv: $(INSTALLED)
 docs/figures/scaling.png: $(SCALING:%=docs/data/scaling-%.csv)
 	$(BIN)/python benchmarks/scaling_model.py
 
+# ---- what runs cost, beside what is expected: docs/speed.md
+
+SMALL := bare-membrane demo loose-stem mutant no-dermis one-stem slow-stem stiffening thinning two-cells two-ta wound
+COST := $(BIN)/python benchmarks/run_cost.py
+MADE += docs/data/run-costs.csv
+docs/data/run-costs.csv: $(INSTALLED)
+	$(COST) runs $(SMALL) quarter-ring --levels balanced fast --keep $(RUNS)/costs
+	$(COST) runs paper-ring $(filter-out quarter-ring,$(QUARTER)) --levels balanced --keep $(RUNS)/costs
+	set -e; for scene in $(SMALL) quarter-ring; do $(COST) samples $(RUNS)/costs/$$scene-balanced --levels reference; done
+	$(COST) samples $(RUNS)/costs/paper-ring-balanced --levels reference fast
+
 # ---- what benchmarks print, for the tables of pages: docs/speed.md, docs/accuracy.md
 
 PRINTED := $(RUNS)/printed
