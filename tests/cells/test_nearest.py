@@ -46,7 +46,6 @@ def test_partner_is_the_nearest_at_every_step(ranks: int, neighbor_skin: float) 
     """Crowded cells are dragged over a fold, through the periodic edges and from rank to rank."""
     scene = membrane_scene(
         **{
-            "membrane.bending_stiffness": 0.5,
             "numerics.timestep": TIMESTEP,
             "numerics.neighbor_skin": neighbor_skin,
         }

@@ -32,7 +32,7 @@ def bound() -> Scene:
     """
     return Scene.from_dict(
         {
-            "name": "bound", "dermis": {"present": False},
+            "name": "bound", "force_scale": "printed", "dermis": {"present": False},
             "membrane": {"lattice": [12, 14], "stretch_stiffness": 0.0, "bending_stiffness": 0.0,
                          "exclusion_stiffness": 0.0},
             "cells": {"stem": 1, "binding_stiffness": STIFFNESS, "cycle_delay": 1e6,
@@ -211,7 +211,7 @@ def test_scaled() -> None:
     assert stiff.numerics == scene.numerics
     assert scaled(scene, "crowding", 0.5).cells.stem == 2
     adhesive = scaled(scene, "adhesion", 2).cells
-    assert (adhesive.adhesion_stiffness, adhesive.binding_stiffness) == (50.0, 50.0)
+    assert (adhesive.adhesion_stiffness, adhesive.binding_stiffness) == (10.0, 50.0)
     with pytest.raises(SceneError, match="is the same as x 1"):
         scaled(scene, "crowding", 0.9)
     own = scene.replace(**{"cells.kinds.own": {"like": "stem", "count": 2, "stiffness": 5.0}})

@@ -16,7 +16,7 @@ def busy() -> Scene:
             "name": "busy",
             "end_time": 4.0,
             "dermis": {"present": False},
-            "membrane": {"lattice": [24, 28], "noise": 0.02, "bending_stiffness": 0.5},
+            "membrane": {"lattice": [24, 28], "noise": 0.02},
             "cells": {"stem": 3, "cycle_delay": 0.1, "cycle_rate": 5.0, "first_phase": 0.1},
         }
     )
