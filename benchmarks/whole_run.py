@@ -1,17 +1,16 @@
-"""Cost of a whole run at the levels of accuracy, from its cost at several ages of the tissue.
+"""Cost of a whole run with stock styles and at the levels of accuracy, from several of its ages.
 
 A finished run gives the states. From each of them the levels take turns in one process, so that
 all see the same machine; seconds are of this thread. The cost of the run is the integral over its
 ages.
 
-- reference: ``bond_style table``, ``dihedral_style multi/harmonic``, ``pair_style table``, forward
+- stock: ``bond_style table``, ``dihedral_style multi/harmonic``, ``pair_style table``, forward
   Euler with a timestep of 0.01 (``fix skin/motion``, since ``fix brownian`` does not survive the
   folds of a crowded membrane), and ``fix skin/cells``;
-- euler: the level "reference" with the styles of this package;
-- balanced, fast: those levels.
+- reference, balanced, fast: those levels, with the styles of this package.
 
-    skin run paper-ring --set numerics.accuracy=reference -o runs/reference
-    python benchmarks/whole_run.py runs/reference [--ages 0 100 ...] [--rounds 3]
+    skin run quarter-ring -o runs/quarter-ring
+    python benchmarks/whole_run.py runs/quarter-ring [--ages 0 100 ...] [--rounds 3]
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ from lammps_skin.trajectory.frames import open_frames
 from step_cost import uncored
 
 AGES = (0, 100, 200, 300, 400, 500, 600, 800, 1000)
-SPANS = {"reference": 1.0, "euler": 1.0, "balanced": 4.0, "fast": 4.0}  # time units of a turn
+SPANS = {"stock": 1.0, "reference": 1.0, "balanced": 4.0, "fast": 4.0}  # time units of a turn
 QUIET = {"output.dump_interval": 0.0, "output.checkpoint_interval": 0.0}
 
 
@@ -57,17 +56,17 @@ def configuration_of(frame: Frame, scene: Scene) -> Configuration:
 
 
 def simulations(scene: Scene, state: Configuration, stack: ExitStack) -> dict[str, Simulation]:
-    """The same state at each level."""
+    """The same state with stock styles and at each level."""
     levels = {
-        "reference": {"numerics.accuracy": "reference", "numerics.pair_form": "table"},
-        "euler": {"numerics.accuracy": "reference"},
+        "stock": {"numerics.accuracy": "reference", "numerics.pair_form": "table"},
+        "reference": {"numerics.accuracy": "reference"},
         "balanced": {"numerics.accuracy": "balanced"},
         "fast": {"numerics.accuracy": "fast"},
     }
     started = {}
     for name, changes in levels.items():
         level = scene.replace(**QUIET, **changes)
-        plain = uncored(level) if name == "reference" else {}  # stock styles alone
+        plain = uncored(level) if name == "stock" else {}  # no styles of this package
         started[name] = stack.enter_context(
             Simulation.begin(level, configuration=state, variables=plain)
         )
@@ -77,7 +76,7 @@ def simulations(scene: Scene, state: Configuration, stack: ExitStack) -> dict[st
         "dihedral_style multi/harmonic",
         f"dihedral_coeff * {half} {2 * half} {half} 0 0",
     ):
-        started["reference"].command(command)
+        started["stock"].command(command)
     return started
 
 
@@ -124,7 +123,7 @@ def main() -> None:
         print(
             f"{name:10} {np.median(seconds):8.1f} s from {ages[0]:g} to {ages[-1]:g}, "
             f"{np.median(ratios):.2f} ({ratios.min():.2f} to {ratios.max():.2f}) "
-            "times faster than the reference"
+            "times faster than with stock styles"
         )
 
 

@@ -75,9 +75,9 @@ $(call directory,quarter-ring,quarter-ring)
 $(call directory,wound,wound)
 $(call directory,papilla,$(RUNS)/papilla.toml)
 $(call directory,paper-ring,paper-ring)
-$(call directory,reference,paper-ring --set numerics.accuracy=reference)
 $(call directory,crowded,quarter-ring --set end_time=450.0 $(STATE))
-$(call directory,crowded-paper,paper-ring --set end_time=450.0 $(STATE))
+LIMITED := --set numerics.integrator=rkl1 --set numerics.timestep=0.25 --set numerics.stiffness_limit=100
+$(call directory,crowded-papilla,quarter-ring --parameters papilla --set end_time=450.0 $(STATE) $(LIMITED))
 COMMA := ,
 $(call directory,sixteenth,quarter-ring --set 'membrane.lattice=[50$(COMMA)58]' --set cells.stem=4 --set end_time=400.0)
 
@@ -124,33 +124,29 @@ $(RUNS)/papilla.toml: docs/start.md
 TRADEOFF := docs/data/tradeoff-quarter-ring
 MADE += $(TRADEOFF).csv $(TRADEOFF)-orders.csv $(TRADEOFF)-ensemble.csv $(TRADEOFF).png
 $(TRADEOFF).csv $(TRADEOFF)-orders.csv $(TRADEOFF)-ensemble.csv $(TRADEOFF).png &: $(RUNS)/crowded.done
-	$(SKIN) tradeoff quarter-ring --interval 2 --from $(RUNS)/crowded --seeds 1-8 --windows 300-600,800-1000 --data $(RUNS)/levels -o $(RUNS)/tradeoff
+	$(SKIN) tradeoff quarter-ring --interval 10 --from $(RUNS)/crowded --seeds 1-8 --windows 300-600,800-1000 --data $(RUNS)/levels -o $(RUNS)/tradeoff
 	for file in $(RUNS)/tradeoff/quarter-ring*.csv $(RUNS)/tradeoff/quarter-ring.png; do cp $$file docs/data/tradeoff-$${file##*/}; done
 
-MADE += docs/data/tradeoff-paper-ring.csv docs/data/tradeoff-paper-ring.png
-docs/data/tradeoff-paper-ring.csv docs/data/tradeoff-paper-ring.png &: $(RUNS)/crowded-paper.done
-	$(SKIN) tradeoff paper-ring --grid levels --quick --interval 2 --from $(RUNS)/crowded-paper -o $(RUNS)/tradeoff-paper
-	for suffix in csv png; do cp $(RUNS)/tradeoff-paper/paper-ring.$$suffix docs/data/tradeoff-paper-ring.$$suffix; done
+MADE += docs/data/tradeoff-papilla.csv
+docs/data/tradeoff-papilla.csv: $(RUNS)/crowded-papilla.done
+	$(SKIN) tradeoff quarter-ring --parameters papilla --quick --interval 2 --from $(RUNS)/crowded-papilla -o $(RUNS)/tradeoff-papilla
+	cp $(RUNS)/tradeoff-papilla/quarter-ring.csv $@
 
 MADE += docs/data/stability-quarter-ring.csv docs/data/stability-quarter-ring.png
 docs/data/stability-quarter-ring.csv docs/data/stability-quarter-ring.png &: $(RUNS)/crowded.done
-	$(SKIN) stability quarter-ring --from $(RUNS)/crowded --vary stiffness,bending,adhesion,stretch,spring,division --factors 0.1,1,10 -o $(RUNS)/stability
+	$(SKIN) stability quarter-ring --from $(RUNS)/crowded --vary stiffness,adhesion,bending --factors 1,10 --methods euler,rkl1,rkl2 --stages 13 --interval 16 -o $(RUNS)/stability
 	for suffix in csv png; do cp $(RUNS)/stability/quarter-ring.$$suffix docs/data/stability-quarter-ring.$$suffix; done
 
-MADE += docs/data/stability-paper-ring.csv docs/data/stability-paper-ring.png
-docs/data/stability-paper-ring.csv docs/data/stability-paper-ring.png &: $(RUNS)/crowded-paper.done
-	$(SKIN) stability paper-ring --from $(RUNS)/crowded-paper --vary stiffness,bending,adhesion,division --factors 1,10 -o $(RUNS)/stability
-	for suffix in csv png; do cp $(RUNS)/stability/paper-ring.$$suffix docs/data/stability-paper-ring.$$suffix; done
+MADE += docs/data/stability-papilla.csv
+docs/data/stability-papilla.csv: $(RUNS)/crowded-papilla.done
+	$(SKIN) stability quarter-ring --parameters papilla --from $(RUNS)/crowded-papilla --vary stiffness,bending,adhesion,stretch,spring,division --factors 0.1,1,10 -o $(RUNS)/stability-papilla
+	cp $(RUNS)/stability-papilla/quarter-ring.csv $@
 
 OTHERS := bare-membrane two-cells one-stem demo no-dermis
 MADE += docs/data/stability-others.csv
 docs/data/stability-others.csv: $(INSTALLED)
-	for scene in $(OTHERS); do $(SKIN) stability $$scene --interval 20 --vary bending,stretch,adhesion,spring -o $(RUNS)/stability-others; done
+	for scene in $(OTHERS); do $(SKIN) stability $$scene --parameters papilla --interval 20 --vary bending,stretch,adhesion,spring -o $(RUNS)/stability-others; done
 	$(BIN)/python docs/pages.py join $@ $(OTHERS:%=$(RUNS)/stability-others/%.csv)
-
-MADE += docs/data/balanced-quarter-ring.csv.gz
-docs/data/balanced-quarter-ring.csv.gz: docs/data/quarter-ring.csv.gz
-	cp $< $@
 
 # ---- scaling: docs/scaling.md
 
@@ -178,15 +174,16 @@ docs/data/run-costs.csv: $(INSTALLED)
 	set -e; for scene in $(SMALL) quarter-ring; do $(COST) samples $(RUNS)/costs/$$scene-balanced --levels reference; done
 	$(COST) samples $(RUNS)/costs/paper-ring-balanced --levels reference fast
 
-# ---- what benchmarks print, for the tables of pages: docs/speed.md, docs/accuracy.md
+# ---- what benchmarks print, for the tables of pages: docs/speed.md, docs/accuracy.md, docs/stability.md
 
 PRINTED := $(RUNS)/printed
-SAID := step_cost rebuild_cost membrane_cost whole_run
+SAID := step_cost rebuild_cost membrane_cost whole_run eigenvalues
 $(PRINTED)/step_cost: $(INSTALLED)
 $(PRINTED)/rebuild_cost $(PRINTED)/membrane_cost: $(RUNS)/paper-ring.done
 $(PRINTED)/rebuild_cost $(PRINTED)/membrane_cost: HOW := --run $(RUNS)/paper-ring
-$(PRINTED)/whole_run: $(RUNS)/reference.done
-$(PRINTED)/whole_run: HOW := $(RUNS)/reference --ages 0 300 450 600 800 1000 --rounds 3
+$(PRINTED)/whole_run $(PRINTED)/eigenvalues: $(RUNS)/quarter-ring.done
+$(PRINTED)/whole_run: HOW := $(RUNS)/quarter-ring --ages 0 300 450 600 800 1000 --rounds 3
+$(PRINTED)/eigenvalues: HOW := $(RUNS)/quarter-ring 300 450 600 800 1000
 $(SAID:%=$(PRINTED)/%): $(PRINTED)/%:
 	mkdir -p $(@D)
 	$(BIN)/python benchmarks/$*.py $(HOW) > $@.part

@@ -27,6 +27,7 @@ TOUGH = {
     "no exclusion": {"cells.exclusion_stiffness": 0.0, "cells.membrane_exclusion_stiffness": 0.0},
     "adhesion x 100": {"cells.adhesion_stiffness": 500.0, "cells.binding_stiffness": 2500.0},
     "growth x 100": {"cells.division_rate": 14.0},
+    "stiff links": {"membrane.stretch_stiffness": 40.0, "numerics.stiffness_limit": 100.0},
     "all divide at once": {
         "cells.first_phase": 0.0, "cells.cycle_delay": 1.0, "cells.cycle_rate": 1e6,
     },
@@ -36,11 +37,11 @@ STIFF_LINKS = r"unstable on step \d+: .* most of it from stretch, .*try a smalle
 STIFF_SPRINGS = r"unstable on step \d+: .* most of it from division springs, which would need"
 THROWN = "the state that this run began with is like that"
 BEYOND = {  # what not every level can run: how each ends
-    "links x 1000": (
+    "links x 1000": (  # without a limit of stiffness
         {"membrane.stretch_stiffness": 40.0},
         {"reference": "", "balanced": STIFF_LINKS, "fast": STIFF_LINKS},
     ),
-    "cells x 1e8": (
+    "cells x 1e9": (
         {"cells.exclusion_stiffness": 4e7, "cells.membrane_exclusion_stiffness": 4e7},
         {"reference": STIFF_CELLS, "balanced": STIFF_CELLS, "fast": STIFF_CELLS},
     ),
@@ -55,7 +56,7 @@ CROWDS = {  # ten thousand cells, thrown into one layer or in layers
     ("balanced", "thrown"): rf"{CROWD}.*{THROWN}",
     ("fast", "thrown"): rf"{CROWD}.*{THROWN}",
     ("reference", "layers"): "",
-    ("balanced", "layers"): r"skin/lj: .* of types 3 and 3 overlap on step 1: .*smaller timestep",
+    ("balanced", "layers"): "",
     ("fast", "layers"): rf"{CROWD}.*try a smaller timestep",
 }
 
