@@ -206,7 +206,7 @@ COMMAND_LINES = {
     ("run", "two-cells", "-o", "a\udcffb"): "directory 'a\\udcffb': LAMMPS cannot read a path",
     ("run", "two-cells", "-o", "a$b"): "directory 'a$b': LAMMPS cannot read a path with '$' in it",
     ("build", "two-cells", "-o", "file/x"): "directory file/x: Not a directory",
-    ("check",): "Missing argument 'SCENE'.",
+    ("check",): "SCENE: is missing; skin scenes lists the built-in ones",
     ("check", "demo", "--parameters", "paper"): "parameters = 'paper': must be one of printed, pap",
     ("build", "demo"): "Missing option '-o' / '--output'.",
     ("build", "bare-membrane", "-o", "file"): "directory file: Not a directory",
