@@ -134,7 +134,7 @@ docs/data/tradeoff-papilla.csv: $(RUNS)/crowded-papilla.done
 
 MADE += docs/data/stability-quarter-ring.csv docs/data/stability-quarter-ring.png
 docs/data/stability-quarter-ring.csv docs/data/stability-quarter-ring.png &: $(RUNS)/crowded.done
-	$(SKIN) stability quarter-ring --from $(RUNS)/crowded --vary stiffness,adhesion,bending --factors 1,10 --methods euler,rkl1,rkl2 --stages 13 --interval 16 -o $(RUNS)/stability
+	$(SKIN) stability quarter-ring --from $(RUNS)/crowded --vary stiffness,adhesion,bending,division --factors 1,10 --methods euler,rkl1,rkl2 --stages 13 --interval 16 -o $(RUNS)/stability
 	for suffix in csv png; do cp $(RUNS)/stability/quarter-ring.$$suffix docs/data/stability-quarter-ring.$$suffix; done
 
 MADE += docs/data/stability-papilla.csv
