@@ -39,8 +39,8 @@ STATE = (
 def scene_of(name: str) -> Scene:
     membrane = {"lattice": list(LATTICE), "height": HEIGHT}
     return Scene.from_dict(
-        {"name": name, "end_time": 100.0, "membrane": membrane, "output": QUIET,
-         "numerics": FOUR_STEPS, **SCENES[name]}
+        {"name": name, "parameters": "papilla", "end_time": 100.0, "membrane": membrane,
+         "output": QUIET, "numerics": FOUR_STEPS, **SCENES[name]}
     )  # fmt: skip
 
 
