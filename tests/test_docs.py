@@ -37,6 +37,12 @@ def test_links_resolve(page: Path) -> None:
             assert anchor in slugs(str(linked.relative_to(ROOT))), target
 
 
+def test_the_index_lists_every_page() -> None:
+    """A page has a line in a list of docs/index.md, which is the table of contents of the site."""
+    listed = re.findall(r"^\* \[.*?\]\((\S+)\): ", text("index.md"), re.MULTILINE)
+    assert sorted([*listed, "README.md", "index.md"]) == sorted(BY_NAME)
+
+
 @pytest.mark.parametrize("page", BY_NAME)
 def test_named_files_are_there(page: str) -> None:
     rooms = ("plugins", "pyscripts", "tests", "lammps_inputs", "docs", "benchmarks")
