@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.lib import recfunctions
 from numpy.typing import NDArray
 
 from lammps_skin.analysis.coverage import count_by_kind
@@ -41,6 +42,7 @@ RELIEF = (
     "papillae", "papilla_height", "papilla_width", "papilla_spacing", "papilla_width_cells",
 )  # fmt: skip
 FRACTIONS = ("coverage", "none_below", "particles_holding")
+LESS = "-"  # in the name of a difference of columns
 SIGNED = ("skewness", "chi_", "zeta")  # how columns begin whose values may be negative
 
 
@@ -65,14 +67,24 @@ COLUMNS = columns([kind for kind in KINDS if is_cell(kind)])
 
 
 def is_fraction(column: str) -> bool:
-    """Whether the values of a column are from 0 to 1."""
+    """Whether the values of a column, or of a difference of columns, are from 0 to 1."""
+    if LESS in column:
+        return False
     return column in FRACTIONS or column.endswith(("_on_tips", "_tips_expected"))
 
 
 def least(column: str) -> float:
-    """What the values of a column cannot be below."""
-    signed = column.startswith(SIGNED) or column.endswith("_tips_z")
+    """What the values of a column, or of a difference of columns, cannot be below."""
+    signed = LESS in column or column.startswith(SIGNED) or column.endswith("_tips_z")
     return -np.inf if signed else 0.0
+
+
+def with_difference(table: Table, name: str) -> Table:
+    """The table with one more column, ``A-B`` of its columns A and B."""
+    one, _, other = name.partition(LESS)
+    new = (table[one] - table[other]).view([(name, float)])
+    together: Table = recfunctions.merge_arrays([table, new], flatten=True)
+    return together
 
 
 class Observables(StateAnalysis):

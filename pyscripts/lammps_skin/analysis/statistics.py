@@ -7,13 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import expit, logit, stdtr, stdtrit
+from scipy.special import expit, logit, ndtri, stdtr, stdtrit
 
 from lammps_skin.arrays import Floats, Ints
 
 FEWEST = 5  # values of a series
 FEWEST_BLOCKS = 20
 CONFIDENCE = 0.95
+POWER = 0.8  # probability with which a difference is to be seen
 TREND_LEVEL = 0.01  # probability above which a trend may be chance
 MEMORIES = np.linspace(0.0, 0.99, 100)  # correlations of successive values
 
@@ -73,6 +74,43 @@ def difference(one: Floats, other: Floats, confidence: float = CONFIDENCE) -> Me
     freedom = squares.sum() ** 2 / (squares**2 / np.array([first.n - 1, second.n - 1])).sum()
     half = float(stdtrit(freedom, (1 + confidence) / 2)) * error
     return Mean(value, error, value - half, value + half, n)
+
+
+def holm(chances: Floats) -> Floats:
+    """Probabilities (n,) of n tests, corrected for their number after Holm; NaN stays NaN.
+
+    With all below 0.05 taken for real, one or more is so by chance in at most 5 % of cases,
+    whether the tests are independent or not.
+    """
+    chances = np.asarray(chances, float)
+    corrected = np.full(len(chances), np.nan)
+    order = np.argsort(chances, kind="stable")[: np.count_nonzero(~np.isnan(chances))]
+    factors = np.arange(len(order), 0, -1)
+    corrected[order] = np.minimum(np.maximum.accumulate(factors * chances[order]), 1.0)
+    return corrected
+
+
+def seeds_needed(noise: float, size: float) -> float:
+    """Seeds of each of two conditions with which a difference of their means is seen.
+
+    Parameters
+    ----------
+    noise : float
+        Standard deviation, over seeds, of the difference between a run of one condition and a run
+        of the other: with the same seed, if they are compared seed by seed.
+    size : float
+        The difference to be seen.
+
+    Returns
+    -------
+    float
+        With `CONFIDENCE` and `POWER`, by a t test of normal values (Guenther 1981); NaN without
+        a difference.
+    """
+    if not size > 0 or np.isnan(noise):
+        return np.nan
+    level, power = float(ndtri((1 + CONFIDENCE) / 2)), float(ndtri(POWER))
+    return float(np.ceil(((level + power) * noise / size) ** 2 + level**2 / 2))
 
 
 def pseudo_values(statistic: Callable[[Ints], float], n: int) -> Floats:

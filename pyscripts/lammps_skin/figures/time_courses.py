@@ -56,6 +56,8 @@ def draw_courses(tables: Mapping[str, Table], columns: Mapping[str, str], across
         for label, table in tables.items():
             draw_course(axes, table, column, label=f"{label} ({_seeds(table)})")
         _finish(axes, name)
+    for axes in panels[len(columns) :]:
+        axes.set_axis_off()
     panels[0].legend(frameon=False)
     return figure
 

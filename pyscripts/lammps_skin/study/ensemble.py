@@ -314,7 +314,7 @@ def gather(members: Iterable[Member]) -> list[Path]:
         ours = [path for path in (keyed, plain) if _key_of(path) == key]
         tables: dict[int, Table] = {}
         for earlier in ours:
-            tables |= _by_seed(read_table(earlier))
+            tables |= by_seed(read_table(earlier))
         tables |= {
             int(file.name.split("-")[-2]): with_seed(
                 read_table(file), int(file.name.split("-")[-2])
@@ -361,8 +361,8 @@ def _key_of(path: Path) -> str | None:
     return found[1] if found else None
 
 
-def _by_seed(table: Table) -> dict[int, Table]:
-    """Rows of each seed of a gathered table."""
+def by_seed(table: Table) -> dict[int, Table]:
+    """The table of each seed of a gathered table."""
     return {int(seed): table[table["seed"] == seed] for seed in np.unique(table["seed"])}
 
 

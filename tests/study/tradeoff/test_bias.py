@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from lammps_skin.analysis.observables import COLUMNS
+from lammps_skin.analysis.statistics import seeds_needed
 from lammps_skin.errors import SceneError
-from lammps_skin.study.tradeoff.bias import biases, root_mean_square, seeds_needed, windows_of
+from lammps_skin.study.tradeoff.bias import EFFECT, biases, root_mean_square, windows_of
 from lammps_skin.study.tradeoff.plot import front
 from scipy.stats import ttest_ind
 
@@ -39,7 +40,7 @@ def test_differences():
     assert zeta.in_errors == pytest.approx(ttest_ind(values, others).statistic)
     assert zeta.percent == pytest.approx(np.mean([10, 10, 20]))  # of the seeds that both have
     assert zeta.percent_error == pytest.approx(np.std([10, 10, 20], ddof=1) / np.sqrt(3))
-    assert zeta.needed == seeds_needed(np.std([0.1, 0.2, 0.6], ddof=1), zeta.deviation)
+    assert zeta.needed == seeds_needed(np.std([0.1, 0.2, 0.6], ddof=1), EFFECT * zeta.deviation)
     deaths = found["deaths", (50, 100)]
     assert deaths.reference == pytest.approx(10 * others.mean() * 50)
     assert deaths.percent == pytest.approx(-10) and deaths.percent_error == pytest.approx(0)
@@ -67,18 +68,6 @@ def test_what_a_scene_does_not_have_is_left_out():
     tables = {1: table(zeta_nd=np.nan), 2: table(zeta_nd=np.nan)}
     names = {bias.name for bias in biases(tables, tables, [(0, 100)])}
     assert "zeta" in names and "sigma_nd" in names and "zeta_nd" not in names
-
-
-def test_seeds_needed():
-    """In that many experiments of four in five, two standard errors do not hide the difference."""
-    n, trials = int(seeds_needed(np.sqrt(2), 1.0)), 4000
-    assert n == 63
-    rng = np.random.default_rng(1)
-    differences = 0.5 + np.sqrt(2) * rng.normal(size=(trials, n))
-    errors = differences.std(axis=1, ddof=1) / np.sqrt(n)
-    assert (differences.mean(axis=1) > 1.96 * errors).mean() == pytest.approx(0.8, abs=0.03)
-    assert seeds_needed(0.1, 1.0) == 2
-    assert np.isnan(seeds_needed(1.0, 0.0))
 
 
 def test_windows():

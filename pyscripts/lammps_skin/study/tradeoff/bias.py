@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import norm
 
 from lammps_skin.analysis.observables import Table, read_table
-from lammps_skin.analysis.statistics import mean
+from lammps_skin.analysis.statistics import mean, seeds_needed
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError
 from lammps_skin.study.ensemble import Member
@@ -23,7 +22,6 @@ MEANS = (
 )  # fmt: skip
 COUNTS = ("births", "deaths")  # since the start: what counts is how many more in a window
 EFFECT = 0.5  # difference to be seen, in standard deviations over seeds
-CONFIDENCE, POWER = 0.95, 0.8  # with which it is seen
 
 Window = tuple[float, float]
 
@@ -116,7 +114,7 @@ def biases(
     """Every statistic in every window, from tables by seed; without those that neither has."""
     found = [
         _bias(name, window, *(
-            {seed: _statistic(table, name, window) for seed, table in tables.items()}
+            {seed: statistic(table, name, window) for seed, table in tables.items()}
             for tables in (variant, reference)
         ))
         for window in windows for name in (*MEANS, *COUNTS)
@@ -124,8 +122,8 @@ def biases(
     return [bias for bias in found if bias.seeds or bias.reference_seeds]
 
 
-def _statistic(table: Table, name: str, window: Window) -> float:
-    """Mean over a window of what is defined, or the count during it."""
+def statistic(table: Table, name: str, window: Window) -> float:
+    """Of one run: the mean over a window of what is defined, or the count during it."""
     inside = table[(table["time"] >= window[0]) & (table["time"] <= window[1])][name]
     inside = inside[~np.isnan(inside)]
     if not len(inside):
@@ -152,7 +150,8 @@ def _bias(
     noise = float(differences.std(ddof=1)) if len(pairs) > 1 else np.nan
     return Bias(
         name, window, mean(others).value, deviation, mean(values).value - mean(others).value, error,
-        len(values), len(others), percent.value, percent.error, seeds_needed(noise, deviation),
+        len(values), len(others), percent.value, percent.error,
+        seeds_needed(noise, EFFECT * deviation),
     )  # fmt: skip
 
 
@@ -160,28 +159,6 @@ def _defined(values: Iterable[float | tuple[float, ...]]) -> Floats:
     """Rows without NaN."""
     array = np.array(list(values), float)
     return array[~np.isnan(array.reshape(len(array), -1)).any(axis=1)]
-
-
-def seeds_needed(noise: float, deviation: float) -> float:
-    """Seeds with which a difference of `EFFECT` standard deviations is seen.
-
-    Parameters
-    ----------
-    noise : float
-        Standard deviation, over seeds, of the difference of two choices with the same seed.
-    deviation : float
-        Standard deviation over seeds of the statistic itself.
-
-    Returns
-    -------
-    float
-        With `CONFIDENCE` and `POWER`, for normal differences of runs with the same seeds; NaN
-        of what does not vary.
-    """
-    if not deviation > 0 or np.isnan(noise):
-        return np.nan
-    quantiles = norm.ppf((1 + CONFIDENCE) / 2) + norm.ppf(POWER)
-    return max(2.0, math.ceil((quantiles * noise / (EFFECT * deviation)) ** 2))
 
 
 def root_mean_square(found: Sequence[Bias]) -> float:

@@ -1,0 +1,1 @@
+"""Conditions side by side: runs, ensembles and points of studies."""
