@@ -16,7 +16,7 @@ from typer.main import get_command
 project = "lammps-skin"
 release = metadata.version("lammps-skin")
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
-exclude_patterns = ["data", "examples", "figures"]
+exclude_patterns = ["data", "examples", "figures", "install"]
 highlight_language = "none"
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]

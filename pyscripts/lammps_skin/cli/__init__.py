@@ -35,13 +35,17 @@ COMMANDS = {
     "figure": "Draw a figure of the paper; what has not been run is run after a question.",
     "tradeoff": "Compare choices of numerics: error against time.",
     "stability": "Map the longest stable timesteps, by bisection, beside estimates.",
+    "doctor": "Check the installation, and say what to do where it does not work.",
 }
 """The subcommands, each a function in a module of its name, and what `skin --help` says of them."""
+
+COMPLETING = "_SKIN_COMPLETE"
+"""Variable by which a shell asks for completions of what has been typed."""
 
 
 def application(*names: str) -> typer.Typer:
     """The command; of its subcommands only those named are loaded, which may take a second."""
-    app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    app = typer.Typer(rich_markup_mode=None, pretty_exceptions_enable=False)
     app.callback(invoke_without_command=True)(help_alone)
     for name, summary in COMMANDS.items():
         module = import_module(f"{__name__}.{name}") if name in names else None
@@ -85,7 +89,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         check_alone()
         words = sys.argv[1:] if arguments is None else arguments
-        called = next((word for word in words if not word.startswith("-")), "")
+        typed = os.environ.get("COMP_WORDS") or os.environ.get("_TYPER_COMPLETE_ARGS") or ""
+        said = typed.split()[1:] if COMPLETING in os.environ else words
+        called = next((word for word in said if not word.startswith("-")), "")
         code = application(called)(words, standalone_mode=False, prog_name="skin")
     except (SkinError, TyperException) as error:
         text = error.format_message() if isinstance(error, TyperException) else str(error)

@@ -16,6 +16,7 @@ from lammps_skin.cli.options import (
     Seed,
     Settings,
     scene_from,
+    scenes_beginning,
 )
 from lammps_skin.cli.output import console, counted, duration, print_table
 from lammps_skin.engine.machine import cores
@@ -39,7 +40,11 @@ from lammps_skin.study.simplifications import Simplification, candidates, measur
 def check(
     scene: Annotated[
         str | None,
-        typer.Argument(metavar="SCENE", help="Name of a built-in scene, or a .toml file."),
+        typer.Argument(
+            metavar="SCENE",
+            help="Name of a built-in scene, or a .toml file.",
+            autocompletion=scenes_beginning,
+        ),
     ] = None,
     parameters: Parameters = None,
     accuracy: Accuracy = None,

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from lammps_skin.cli.cores import warn_of_crowding
-from lammps_skin.cli.options import Accuracy, Jobs, Parameters, Settings, scene_from
+from lammps_skin.cli.options import (
+    Accuracy,
+    Jobs,
+    Parameters,
+    Settings,
+    scene_from,
+    scenes_beginning,
+)
 from lammps_skin.cli.output import console, counted, duration
 from lammps_skin.cli.progress import Progress
 from lammps_skin.engine.machine import cores
@@ -26,7 +33,11 @@ MOST_SEEDS = 10_000
 def ensemble(
     scenes: Annotated[
         list[str] | None,
-        typer.Argument(metavar="SCENE...", help="Built-in scenes or .toml files."),
+        typer.Argument(
+            metavar="SCENE...",
+            help="Built-in scenes or .toml files.",
+            autocompletion=scenes_beginning,
+        ),
     ] = None,
     seeds: Annotated[str, typer.Option(metavar="SEEDS", help="Such as 1-8 or 1,3,10-12.")] = "1-8",
     jobs: Jobs = None,

@@ -11,16 +11,37 @@ import typer
 
 from lammps_skin.errors import SceneError
 from lammps_skin.model.accuracy import LEVELS
+from lammps_skin.model.parameters import SETS
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.scene_keys import shown
+from lammps_skin.model.scene_keys import keys_of, shown
+from lammps_skin.model.scenes import BUILT_IN
 from lammps_skin.run.results import holds_results
 
+
+def beginning(incomplete: str, words: Iterable[str]) -> list[str]:
+    """Words that begin with what has been typed, for a shell that completes it."""
+    return [word for word in words if word.startswith(incomplete)]
+
+
+def scenes_beginning(incomplete: str) -> list[str]:
+    """Built-in scenes whose names begin with what has been typed; a shell adds files."""
+    return beginning(incomplete, BUILT_IN)
+
+
 Source = Annotated[
-    str, typer.Argument(metavar="SCENE", help="Name of a built-in scene, or a .toml file.")
-]
+    str,
+    typer.Argument(
+        metavar="SCENE", help="Name of a built-in scene, or a .toml file.",
+        autocompletion=scenes_beginning,
+    ),
+]  # fmt: skip
 Parameters = Annotated[
-    str | None, typer.Option("--parameters", metavar="SET", help="Named parameter set.")
-]
+    str | None,
+    typer.Option(
+        "--parameters", metavar="SET", help="Named parameter set.",
+        autocompletion=lambda incomplete: beginning(incomplete, SETS),
+    ),
+]  # fmt: skip
 Seed = Annotated[
     int | None, typer.Option("--seed", metavar="N", help="Of all that is random in the scene.")
 ]
@@ -29,14 +50,19 @@ Jobs = Annotated[
     typer.Option(min=1, max=4096, help="Runs at a time [default: as many as cores]."),
 ]
 Accuracy = Annotated[
-    str | None, typer.Option("--accuracy", metavar="LEVEL", help=f"{', '.join(LEVELS)}.")
-]
+    str | None,
+    typer.Option(
+        "--accuracy", metavar="LEVEL", help=f"{', '.join(LEVELS)}.",
+        autocompletion=lambda incomplete: beginning(incomplete, LEVELS),
+    ),
+]  # fmt: skip
 Settings = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="KEY=VALUE", help="Change a key of the scene, such as cells.seed=3."
+        "--set", metavar="KEY=VALUE", help="Change a key of the scene, such as cells.seed=3.",
+        autocompletion=lambda incomplete: beginning(incomplete, (f"{k}=" for k in keys_of(Scene))),
     ),
-]
+]  # fmt: skip
 
 
 From = Annotated[

@@ -21,6 +21,7 @@ from lammps_skin.cli.options import (
     Settings,
     keep_results,
     scene_from,
+    scenes_beginning,
 )
 from lammps_skin.cli.output import console
 from lammps_skin.engine.built import load_built
@@ -44,7 +45,11 @@ INTERRUPTED = 130
 def run(
     source: Annotated[
         str,
-        typer.Argument(metavar="SCENE|DIR", help="Built-in scene, .toml file or built directory."),
+        typer.Argument(
+            metavar="SCENE|DIR",
+            help="Built-in scene, .toml file or built directory.",
+            autocompletion=scenes_beginning,
+        ),
     ],
     output: Annotated[
         Path | None,

@@ -131,7 +131,7 @@ def first_line(model: type[BaseModel], error: ValidationError, validated: Any = 
         beside = list(_part(model, parts[:-1]).model_fields)
         in_array = any(isinstance(part, int) for part in problem["loc"])
         return f"{given}: unknown key; allowed: {', '.join(beside)}" + _near_key(
-            parts[-1], beside, () if in_array else _keys(model)
+            parts[-1], beside, () if in_array else keys_of(model)
         )
     what = _EXPECTED.get(problem["type"]) or str(problem["msg"]).replace("Input should", "must")
     guess = ""
@@ -247,12 +247,12 @@ def _below(annotation: Any) -> Any:
     return None if place is None else get_args(annotation)[place]
 
 
-def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
+def keys_of(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
     """All dotted keys of a model, those of the top last."""
     for key, field in model.model_fields.items():
         below = _below(field.annotation)
         part: Any = below or field.annotation
         if _is_model(part):
-            yield from _keys(part, f"{prefix}{key}." + ("NAME." if below else ""))
+            yield from keys_of(part, f"{prefix}{key}." + ("NAME." if below else ""))
     for key in model.model_fields:
         yield f"{prefix}{key}"
