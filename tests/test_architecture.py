@@ -137,8 +137,3 @@ def test_the_readme_names_every_public_name() -> None:
     assert {name for row in rows(table) for name in codes(row[0])} | {
         name for name in codes(table) if name.endswith("Error")
     } == set(lammps_skin.__all__)
-
-
-def test_the_readme_names_every_page() -> None:
-    linked = set(re.findall(r"\]\(docs/(\w+\.md)", text("README.md")))
-    assert linked == {path.name for path in (ROOT / "docs").glob("*.md")}
