@@ -7,7 +7,7 @@ VENV ?= .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 SOURCES := pyproject.toml CMakeLists.txt $(wildcard lammps_inputs/*.in) \
-           $(shell find plugins pyscripts -type f -name '*.cpp' -o -name '*.h' -o -name '*.py')
+           $(shell find plugins pyscripts -type f -regex '.*\.\(cpp\|h\|py\|html\|css\|js\)')
 
 .PHONY: help demo test science lint docs tidy sanitize clean
 
@@ -69,7 +69,7 @@ clean:
 	find plugins pyscripts tests -type d -name __pycache__ -prune -exec rm -rf {} +
 
 $(INSTALLED): $(BIN)/python $(SOURCES)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check ".[test,docs]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check ".[test,docs,report]"
 	@touch $@
 
 $(BIN)/python:

@@ -109,6 +109,12 @@ $(SEEN:%=docs/figures/%.png): $(RUNS)/quarter-ring.done
 	$(SKIN) snapshot $(RUNS)/quarter-ring $(VIEW) -o $@
 	$(REDUCED) $@
 
+MADE += docs/figures/report.png
+docs/figures/report.png: $(RUNS)/quarter-ring.done
+	$(SKIN) report $(RUNS)/quarter-ring -o $(RUNS)/report.html
+	$(BIN)/python docs/pages.py screenshot $(RUNS)/report.html $@
+	$(REDUCED) $@
+
 MADE += docs/figures/wound.png docs/figures/papilla-start.png
 docs/figures/wound.png: $(RUNS)/wound.done
 	$(BIN)/python docs/pages.py moments $(RUNS)/wound $@ 290 300 350

@@ -2,6 +2,7 @@
 
 python docs/pages.py reduce docs/figures/cells-t600.png
 python docs/pages.py moments runs/wound docs/figures/wound.png 290 300 350
+python docs/pages.py screenshot runs/report.html docs/figures/report.png
 python docs/pages.py papilla docs/start.md runs
 python docs/pages.py join docs/data/stability-others.csv runs/one/demo.csv runs/one/one-stem.csv
 """
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 import os
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -41,6 +43,15 @@ def moments(run: str, path: str, *times: str) -> None:
     reduce(path)
 
 
+def screenshot(page: str, path: str) -> None:
+    """Take a picture of a page in Chromium."""
+    flags = ("--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+             "--disable-background-networking", "--hide-scrollbars", "--window-size=1366,1180",
+             "--virtual-time-budget=20000")  # fmt: skip
+    address = Path(page).resolve().as_uri()
+    subprocess.run(["chromium", *flags, f"--screenshot={path}", address], check=True)
+
+
 def papilla(page: str, folder: str) -> None:
     """Write the scene papilla.toml of a page, and the heights that its Python code makes."""
     section = Path(page).read_text("utf-8").split("## A pre-formed papilla")[1]
@@ -63,4 +74,5 @@ def join(path: str, *tables: str) -> None:
 
 
 if __name__ == "__main__":
-    {one.__name__: one for one in (reduce, moments, papilla, join)}[sys.argv[1]](*sys.argv[2:])
+    made = {one.__name__: one for one in (reduce, moments, screenshot, papilla, join)}
+    made[sys.argv[1]](*sys.argv[2:])

@@ -14,8 +14,8 @@ ROOT = Path(__file__).resolve().parents[1]
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", (ROOT / "README.md").read_text("utf-8"), re.M | re.S)
 MADE = [
     "runs/one-stem/skin.h5", "runs/two-cells/events.csv", "runs/one-stem/snapshot-3d-last.png",
-    "runs/one-stem/vtk", "ensemble", "figures/figure-3-quick.png", "forces.txt", "two/skin.dump",
-    "two/skin.h5", "runs/seed-3/skin.h5",
+    "runs/one-stem/vtk", "report.html", "ensemble", "figures/figure-3-quick.png", "forces.txt",
+    "two/skin.dump", "two/skin.h5", "runs/seed-3/skin.h5",
 ]  # fmt: skip
 
 

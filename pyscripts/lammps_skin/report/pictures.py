@@ -1,0 +1,155 @@
+"""What is drawn of each frame: membrane, heights, cells, and what they are coloured by."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lammps_skin.analysis.basal_layer import number_below
+from lammps_skin.analysis.curvature import curvature
+from lammps_skin.analysis.geometry import minimum_image, wrapped
+from lammps_skin.analysis.lineage import founder_of
+from lammps_skin.analysis.observables import Run
+from lammps_skin.analysis.state import State, StateAnalysis
+from lammps_skin.arrays import Floats, Ints
+from lammps_skin.errors import MembraneError
+from lammps_skin.report.packing import quantised
+from lammps_skin.trajectory.clones import clones
+
+STEADY = ("membrane", "curvature", "height")
+CELL = ("id", "kind", "clone", "age", "left", "below", "curvature")
+OUTLYING = 0.02  # fraction of curvatures beyond the ends of the colour scale
+
+
+class Picture(NamedTuple):
+    """One frame.
+
+    Attributes
+    ----------
+    membrane : (n, 3) array
+        Positions, each in the image nearest to its first one.
+    curvature : (n,) array
+        Mean curvature, 1/length.
+    height : (g_x, g_y) array
+        Upper side of the membrane; NaN where it is no sheet over the box.
+    cells : (c, 3) array
+        Positions, each in the image nearest to the membrane below.
+    of_cells : dict of (c,) arrays
+        The names in `CELL`: id, number of the kind, founder of the clone, age (NaN of those that
+        were not born in the run), generations left (-1: endless or none), number of cells
+        straight below, and mean curvature below.
+    """
+
+    membrane: Floats
+    curvature: Floats
+    height: Floats
+    cells: Floats
+    of_cells: dict[str, NDArray[Any]]
+
+
+class Pictures(StateAnalysis):
+    """``pictures``: a `Picture` of each frame; ``first`` (n, 3): where the membrane begins."""
+
+    def __init__(self, run: Run, **options: Any) -> None:
+        super().__init__(run.universe, **options)
+        self._founders = _founders(run)
+        first = self._state(run.universe.trajectory[0])
+        self.first, self.triangles = wrapped(first.membrane, first.box), first.triangles
+
+    def _measure(self, state: State) -> tuple[Any, ...]:
+        bent = curvature(state.membrane, state.triangles, state.box).mean
+        membrane = self.first + minimum_image(state.membrane - self.first, state.box)
+        above = minimum_image(state.cells - state.membrane[state.below], state.box)
+        held, of_cells = self._ts.data, state.ids - 1
+        radius = state.scene.cells.radius
+        return (Picture(membrane, bent, _height(state), membrane[state.below] + above, {
+            "id": state.ids,
+            "kind": state.kinds,
+            "clone": self._founders(state.ids),
+            "age": state.time - held["birth_time"][of_cells],
+            "left": held["divisions_left"][of_cells],
+            "below": number_below(state.cells, state.box, radius),
+            "curvature": bent[state.below],
+        }),)  # fmt: skip
+
+    def _conclude(self) -> None:
+        self.pictures: list[Picture] = [picture for _, picture in self._rows]
+
+
+def _founders(run: Run) -> Callable[[Ints], Ints]:
+    """Founder of each of some cells; without an event log as far as the frames tell."""
+    events = run.events
+    if events is not None:
+        return lambda ids: founder_of(ids, events)
+    known = clones(run.universe.trajectory.frames)
+    return lambda ids: known[ids - 1]
+
+
+def _height(state: State) -> Floats:
+    try:
+        return state.height
+    except MembraneError:
+        shape = np.maximum(np.round(state.box / state.scene.spacing), 1).astype(int)
+        return np.full(shape, np.nan)
+
+
+def surface(first: Floats, triangles: Ints, box: Floats) -> tuple[Ints, Ints]:
+    """A membrane that is periodic, as triangles in the plane that reach over the sides of the box.
+
+    Parameters
+    ----------
+    first : (n, 3) array
+        Positions in the box.
+    triangles : (t, 3) array of int
+    box : (2,) array
+
+    Returns
+    -------
+    copies : (g, 3) array of int
+        Beside the n points there are g copies: the point, and by how many boxes it is displaced.
+    corners : (s, 3) array of int
+        Of the triangles, numbers below n + g. A triangle through a side is there on both sides.
+    """
+    a = first[triangles][:, :1, :2]
+    boxes = -np.rint((first[triangles][..., :2] - a) / box).astype(np.int64)
+    images = np.concatenate([boxes - boxes[:, n : n + 1] for n in range(3)])
+    named = np.concatenate([np.tile(triangles, (3, 1))[..., None], images], axis=-1)
+    named = np.unique(named.reshape(-1, 9), axis=0).reshape(-1, 3)
+    copied = named[:, 1:].any(axis=1)
+    copies, places = np.unique(named[copied], axis=0, return_inverse=True)
+    corners = named[:, 0].copy()
+    corners[copied] = len(first) + places.ravel()
+    return copies, corners.reshape(-1, 3)
+
+
+def arrays(pictures: Sequence[Picture]) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+    """What is packed of pictures, and the ranges that bring whole numbers back to lengths."""
+    membrane = np.array([picture.membrane for picture in pictures])
+    bent = np.array([picture.curvature for picture in pictures])
+    height = np.array([picture.height for picture in pictures])
+    cells = np.concatenate([picture.cells for picture in pictures])
+    around = np.concatenate([membrane.reshape(-1, 3), cells])
+    low, high = around.min(axis=0), around.max(axis=0)
+    steepest = float(np.nanquantile(np.abs(bent), 1 - OUTLYING)) or 1.0
+    bottom, top = np.nanmin(membrane[..., 2]), np.nanmax(membrane[..., 2])
+    packed: dict[str, NDArray[Any]] = {
+        "membrane": quantised(membrane, low, high, "u2"),
+        "curvature": quantised(np.nan_to_num(bent), -steepest, steepest, "u1"),
+        "height": quantised(np.nan_to_num(height, nan=bottom), bottom, top, "u1"),
+        "number": np.array([len(picture.cells) for picture in pictures], np.int32),
+        "cells": quantised(cells, low, high, "u2"),
+    }
+    types = dict(zip(CELL, ("i4", "u1", "i4", "f4", "i2", "u1", "f4"), strict=True))
+    for name, kind in types.items():
+        values = np.concatenate([picture.of_cells[name] for picture in pictures])
+        if kind == "u1":
+            values = np.minimum(values, 255)
+        packed[f"cell_{name}"] = values.astype(kind)
+    ranges = {
+        "low": low.tolist(), "high": high.tolist(), "curvature": steepest,
+        "height": [float(bottom), float(top)],
+    }  # fmt: skip
+    return packed, ranges
