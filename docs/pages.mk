@@ -81,7 +81,8 @@ $(call directory,crowded-papilla,quarter-ring --parameters papilla --set end_tim
 COMMA := ,
 $(call directory,sixteenth,quarter-ring --set 'membrane.lattice=[50$(COMMA)58]' --set cells.stem=4 --set end_time=400.0)
 
-# ---- pictures: docs/figures.md, docs/reproduction.md, docs/interventions.md, docs/start.md
+# ---- pictures: docs/figures.md, docs/reproduction.md, docs/interventions.md, docs/start.md,
+# docs/tutorial.md
 
 QUICK := figure-3-quick figure-5-quick figure-6-quick
 COURSES := $(QUICK:%=docs/figures/%.png)
@@ -113,6 +114,12 @@ MADE += docs/figures/report.png
 docs/figures/report.png: $(RUNS)/quarter-ring.done
 	$(SKIN) report $(RUNS)/quarter-ring -o $(RUNS)/report.html
 	$(BIN)/python docs/pages.py screenshot $(RUNS)/report.html $@
+	$(REDUCED) $@
+
+MADE += docs/figures/tutorial-demo.png
+$(call directory,tutorial-demo,demo --set end_time=400.0)
+docs/figures/tutorial-demo.png: $(RUNS)/tutorial-demo.done
+	$(SKIN) snapshot $(RUNS)/tutorial-demo --view all -o $@
 	$(REDUCED) $@
 
 MADE += docs/figures/wound.png docs/figures/papilla-start.png

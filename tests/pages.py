@@ -50,10 +50,15 @@ def fences(name: str, language: str = "") -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```$", text(name), re.MULTILINE | re.DOTALL)
 
 
+def blocks(page: str) -> list[tuple[str, str]]:
+    """Fenced blocks of a page in their order: language, text."""
+    return re.findall(r"^```(\w*)\n(.*?)^```$", text(page), re.MULTILINE | re.DOTALL)
+
+
 def commands(start: str) -> Iterator[tuple[str, list[str]]]:
     """Fenced lines of all pages that begin with a command: page, words."""
     for name in BY_NAME:
-        for block in re.findall(r"^```\w*\n(.*?)^```$", text(name), re.MULTILINE | re.DOTALL):
+        for _, block in blocks(name):
             for line in block.splitlines():
                 words = shlex.split(line, comments=True)
                 if start in words[:4]:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from pages import ROOT, blocks
 
-ROOT = Path(__file__).resolve().parents[1]
-BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", (ROOT / "README.md").read_text("utf-8"), re.M | re.S)
+BLOCKS = blocks("README.md")
 MADE = [
     "runs/one-stem/skin.h5", "runs/two-cells/events.csv", "runs/one-stem/snapshot-3d-last.png",
     "runs/one-stem/vtk", "report.html", "ensemble", "figures/figure-3-quick.png", "forces.txt",
