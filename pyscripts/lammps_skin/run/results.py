@@ -12,10 +12,11 @@ from lammps_skin.event_log import COLUMNS
 from lammps_skin.trajectory.store import DUMP, STORE
 
 EVENTS, LOG, MANIFEST = "events.csv", "log.lammps", "checkpoints.json"
+PROVENANCE = "ro-crate-metadata.json"
 RESTARTS = "skin.*.restart"
 TRAJECTORIES = (STORE, DUMP)
 REPLACED = (
-    EVENTS, LOG, MANIFEST, *TRAJECTORIES, f"{STORE}.next", f"{STORE}.former",
+    EVENTS, LOG, MANIFEST, PROVENANCE, *TRAJECTORIES, f"{STORE}.next", f"{STORE}.former",
 )  # fmt: skip
 HEADING = f"{','.join(COLUMNS)}\n".encode()  # all that the event log of a run begins with
 ASIDE = ".replaced"  # how the folder begins in which earlier files are while a new run begins

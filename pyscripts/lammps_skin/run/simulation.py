@@ -21,6 +21,7 @@ from lammps_skin.model.terms import Terms
 from lammps_skin.run.checkpoints import PART, Checkpoints, find_resumption
 from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.run.interruption import Interruption
+from lammps_skin.run.provenance import Provenance
 from lammps_skin.run.remedies import remedy
 from lammps_skin.run.results import holds_results
 from lammps_skin.start.build import build
@@ -72,6 +73,7 @@ class Simulation:
         self._temporary = temporary
         self._recorder = Recorder(directory, scene, variables)
         self._checkpoints = Checkpoints(directory, scene, variables)
+        self._provenance = Provenance.of_run(directory, scene, variables)
         self._engine: Any = self._open(ranks, threads, variables, lock)
         # the script has done those that are due when it is read
         self._changes = [one for one in changes(scene) if self._step_of(one) > self._engine.step()]
@@ -215,6 +217,7 @@ class Simulation:
                 if engine is not None:
                     engine.close()
                     self._recorder.close(self.sound)
+                    self._provenance.end()
 
     def _open(
         self, ranks: int | None, threads: int, variables: Mapping[str, Any], lock: DirectoryLock
@@ -268,6 +271,8 @@ class Simulation:
         piece = last - step if progress is None else max(round(every / timestep), 1)
         self._checkpoints.begin(engine)
         self._recorder.record(engine)
+        if not self._temporary:
+            self._provenance.begin()
         self._reached = self.time
         try:
             with Interruption() as interruption:
@@ -278,6 +283,7 @@ class Simulation:
                         progress(self._reached, self)
         except SkinError as error:
             self.sound = False
+            self._provenance.error = str(error)
             raise SimulationError(
                 f"{error} (after t = {self._reached:g}, {self._remedy(str(error), timestep)}; "
                 f"{self._last_checkpoint()})"

@@ -69,7 +69,7 @@ class TrajectoryWriter:
         self._path = Path(path)
         self._file = open_hdf5(path, "w")
         self._frames, self._slots, self._last_step = 0, 0, -1
-        self._describe(scene, author or _login(), variables or {})
+        self._describe(scene, author or login(), variables or {})
         self._particles = self._file.create_group(GROUP)
         self._create_elements()
         for (name, width), members in zip(MEMBERS.items(), (links, triangles), strict=True):
@@ -298,7 +298,8 @@ def reason(error: OSError) -> str:
     return os.strerror(error.errno) if error.errno else " ".join(str(error).split())
 
 
-def _login() -> str:
+def login() -> str:
+    """Who runs this process."""
     try:
         return getpass.getuser()
     except (OSError, KeyError):
