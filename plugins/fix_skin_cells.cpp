@@ -23,7 +23,7 @@ using namespace FixConst;
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cells(lmp, groupbit), pairs(lmp, cells), divisions(lmp, cells, pairs),
     attachment(lmp, cells, pairs), interventions(lmp), lineage(lmp, cells.kinds, interventions),
-    state_section(lmp), every(1), energy{}, energy_all{}, energy_summed(false), nmax(0),
+    state_section(lmp), every(1), any_away(0), energy{}, energy_all{}, energy_summed(false), nmax(0),
     rearranged(true), reach_checked(false)
 {
   parse(narg, arg);
@@ -66,8 +66,8 @@ FixSkinCells::~FixSkinCells()
 
 int FixSkinCells::setmask()
 {
-  return PRE_EXCHANGE | PRE_NEIGHBOR | PRE_REVERSE | MIN_PRE_NEIGHBOR | MIN_PRE_REVERSE |
-      END_OF_STEP;
+  return POST_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE | PRE_REVERSE |
+      MIN_PRE_NEIGHBOR | MIN_PRE_FORCE | MIN_PRE_REVERSE | END_OF_STEP;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -95,18 +95,18 @@ void FixSkinCells::forget_detached_after(double offset)
 
 /* ---------------------------------------------------------------------- */
 
-void FixSkinCells::setup_pre_reverse(int eflag, int vflag)
+void FixSkinCells::setup_pre_force(int vflag)
 {
   cells.known_atoms = atom->natoms;
   reach_checked = false;
-  pre_reverse(eflag, vflag);
+  pre_force(vflag);
 }
 
 /* ---------------------------------------------------------------------- */
 
-void FixSkinCells::setup(int /*vflag*/)
+void FixSkinCells::setup_pre_reverse(int eflag, int vflag)
 {
-  if ((update->ntimestep + 1) % every == 0) plan_events(update->ntimestep + 1);
+  pre_reverse(eflag, vflag);
 }
 
 /* ---------------------------------------------------------------------- */
@@ -116,7 +116,6 @@ void FixSkinCells::end_of_step()
   lineage.log.begin();
   const double time = cells.clock.time_of_step(update->ntimestep);
   if (update->ntimestep % every == 0 && interventions.due(time).empty()) interventions.pass(time);
-  if ((update->ntimestep + 1) % every == 0) plan_events(update->ntimestep + 1);
 }
 
 /* ----------------------------------------------------------------------

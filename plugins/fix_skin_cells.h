@@ -11,6 +11,7 @@
 #include "skin_lineage.h"
 #include "skin_state_section.h"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -25,12 +26,15 @@ class FixSkinCells : public Fix {
   void post_constructor() override;
   void init() override;
   void setup_pre_neighbor() override;
+  void setup_pre_force(int) override;
   void setup_pre_reverse(int, int) override;
-  void setup(int) override;
+  void post_integrate() override;
   void pre_exchange() override;
   void pre_neighbor() override;
+  void pre_force(int) override;
   void pre_reverse(int, int) override;
   void min_pre_neighbor() override;
+  void min_pre_force(int) override;
   void min_pre_reverse(int, int) override;
   void end_of_step() override;
   void post_run() override;
@@ -56,6 +60,7 @@ class FixSkinCells : public Fix {
 
   enum Forces { ATTACHMENT = 1, SPRINGS = 2 };
   void add_forces(int which, int eflag = 0, int vflag = 0);
+  void find_nearest();    // which they need, if positions are not those of the last forces
 
  private:
   enum Term { ADHESION, BINDING, DIVISION, NTERMS };
@@ -71,7 +76,10 @@ class FixSkinCells : public Fix {
   SkinStateSection state_section;
 
   int every;                   // steps between event steps
-  std::vector<char> parted;    // which cells of the list are far enough from that of their pair
+  std::vector<SkinNearest::Neighbor> closest;    // to the cells of the list
+  std::vector<char> parted;                      // which cells of the list are far enough from that of their pair
+  std::vector<double> away;    // heights of those that are out of reach of forces, or NaN
+  int any_away;                // whether there are any on any rank
   double energy[NTERMS], energy_all[NTERMS];
   bool energy_summed;
   int nmax;           // rows of array_atom
@@ -95,6 +103,7 @@ class FixSkinCells : public Fix {
 
   // forces
 
+  bool is_away(size_t k) const { return !std::isnan(away[k]); }
   void attach(int, const SkinNearest::Neighbor &);
   double pull_pair(int);
   void tally(int, int, double, const double *, double, double);
@@ -102,7 +111,6 @@ class FixSkinCells : public Fix {
 
   // events
 
-  void plan_events(bigint);
   std::vector<SkinCellEvent> deaths_and_births(const std::vector<SkinCellEvent> &) const;
   void remove(const SkinCellEvent &);
 

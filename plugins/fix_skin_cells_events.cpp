@@ -14,12 +14,13 @@
 using namespace LAMMPS_NS;
 
 /* ----------------------------------------------------------------------
-   ask for a neighbor build on the given event step if anything is due by then on any rank
+   ask for a neighbor build on an event step if anything is due on any rank
 ------------------------------------------------------------------------- */
 
-void FixSkinCells::plan_events(bigint step)
+void FixSkinCells::post_integrate()
 {
-  const double time = cells.clock.time_of_step(step);
+  if (update->ntimestep % every) return;
+  const double time = cells.clock.now();
   cells.find_state();
 
   int due = !interventions.due(time).empty(), due_anywhere;
@@ -29,7 +30,7 @@ void FixSkinCells::plan_events(bigint step)
     due = cells.detached(i) || divisions.due_by(i, time) || ends;
   }
   MPI_Allreduce(&due, &due_anywhere, 1, MPI_INT, MPI_MAX, world);
-  if (due_anywhere) next_reneighbor = step;
+  if (due_anywhere) next_reneighbor = update->ntimestep;
 }
 
 /* ----------------------------------------------------------------------

@@ -3,6 +3,8 @@
 #include "fix_skin_cells.h"
 
 #include "atom.h"
+#include "comm.h"
+#include "domain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,22 +12,68 @@
 using namespace LAMMPS_NS;
 
 /* ----------------------------------------------------------------------
-   added before the reverse communication, which sends forces on ghosts home
+   a cell that is seen to have left waits for the event step that removes it. From then on no force
+   knows of it: while forces are computed it is far above the box.
+------------------------------------------------------------------------- */
+
+void FixSkinCells::pre_force(int /*vflag*/)
+{
+  if (!reach_checked) attachment.check_reach();
+  reach_checked = true;
+  find_nearest();
+  away.assign(cells.list.size(), NAN);
+  const double now = cells.clock.now();
+  int mine = 0;
+  for (size_t k = 0; k < cells.list.size(); k++) {
+    const int i = cells.list[k];
+    attachment.watch(i, closest[k]);
+    if (!cells.left_before(i, now)) continue;
+    away[k] = atom->x[i][2];
+    atom->x[i][2] += 2.0 * domain->prd[2];
+    mine = 1;
+  }
+  MPI_Allreduce(&mine, &any_away, 1, MPI_INT, MPI_MAX, world);
+  if (any_away) comm->forward_comm();
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::min_pre_force(int vflag)
+{
+  cells.clock.stand_still();
+  pre_force(vflag);
+}
+
+/* ----------------------------------------------------------------------
+   forces of this fix are added before the reverse communication, which sends those on ghosts home
 ------------------------------------------------------------------------- */
 
 void FixSkinCells::pre_reverse(int eflag, int vflag)
 {
-  if (!reach_checked) attachment.check_reach();
-  reach_checked = true;
   add_forces(ATTACHMENT | SPRINGS, eflag, vflag);
+  if (!any_away) return;
+  for (size_t k = 0; k < away.size(); k++)
+    if (is_away(k)) atom->x[cells.list[k]][2] = away[k];
+  comm->forward_comm();
 }
 
 /* ---------------------------------------------------------------------- */
 
 void FixSkinCells::min_pre_reverse(int eflag, int vflag)
 {
-  cells.clock.stand_still();
   pre_reverse(eflag, vflag);
+}
+
+/* ----------------------------------------------------------------------
+   the nearest membrane particles of my cells
+------------------------------------------------------------------------- */
+
+void FixSkinCells::find_nearest()
+{
+  cells.find_state();
+  if (rearranged) list_cells();
+  closest.resize(cells.list.size());
+  for (size_t k = 0; k < closest.size(); k++) closest[k] = attachment.nearest_candidate((int) k);
 }
 
 /* ----------------------------------------------------------------------
@@ -34,18 +82,16 @@ void FixSkinCells::min_pre_reverse(int eflag, int vflag)
 
 void FixSkinCells::add_forces(int which, int eflag, int vflag)
 {
-  cells.find_state();
-  if (rearranged) list_cells();
   ev_init(eflag, vflag);
   std::fill(energy, energy + NTERMS, 0.0);
   energy_summed = false;
 
-  for (int k = 0; k < (int) cells.list.size(); k++) {
+  for (size_t k = 0; k < cells.list.size(); k++) {
     const int i = cells.list[k];
-    const SkinNearest::Neighbor closest = attachment.nearest_candidate(k);
-    if (which & ATTACHMENT) attach(i, closest);
-    if ((which & SPRINGS) && cells.state.pair[i]) parted[k] = pull_pair(i) > pairs.apart;
-    write_row(i, closest);
+    if ((which & ATTACHMENT) && !is_away(k)) attach(i, closest[k]);
+    if ((which & SPRINGS) && !is_away(k) && cells.state.pair[i])
+      parted[k] = pull_pair(i) > pairs.apart;
+    write_row(i, closest[k]);
   }
 }
 
@@ -56,7 +102,6 @@ void FixSkinCells::add_forces(int which, int eflag, int vflag)
 void FixSkinCells::attach(int i, const SkinNearest::Neighbor &closest)
 {
   if (cells.kind_of(i) == SkinCells::NONE) return;
-  attachment.watch(i, closest);
   const SkinAttachment::Pull pull = attachment.pull(i, closest);
   if (pull.energy == 0.0 && pull.factor == 0.0) return;
 

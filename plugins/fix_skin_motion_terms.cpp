@@ -102,6 +102,7 @@ std::string FixSkinMotion::largest_term(int rank, int i)
   if (force->bond) terms.push_back({"stretch", [&] { force->bond->compute(0, 0); }});
   if (force->dihedral) terms.push_back({"bend", [&] { force->dihedral->compute(0, 0); }});
   if (cells) {
+    cells->find_nearest();
     const auto attach = [&] { cells->add_forces(FixSkinCells::ATTACHMENT, 0); };
     const auto pull = [&] { cells->add_forces(FixSkinCells::SPRINGS, 0); };
     terms.push_back({"adhesion or binding", attach});

@@ -133,14 +133,14 @@ void SkinAttachment::watch(int i, const SkinNearest::Neighbor &closest)
 }
 
 /* ----------------------------------------------------------------------
-   what was noted at the start of a part of a step itself stays, whatever the rounding of its time
+   what was noted at the start of a part of a step itself stays
 ------------------------------------------------------------------------- */
 
 void SkinAttachment::forget_detached_after(double time)
 {
   for (int i = 0; i < atom->nlocal; i++)
     if (cells.kind_of(i) != SkinCells::NONE &&
-        cells.state.detached_time[i] > time + 1.0e-9 * update->dt)
+        cells.clock.is_before(time, cells.state.detached_time[i]))
       cells.state.detached_time[i] = SkinCellState::NEVER;
 }
 

@@ -62,6 +62,11 @@ class SkinCells : protected Pointers {
 
   bool detached(int i) const { return row_of(i).detaches() && state.detached_time[i] >= 0.0; }
 
+  bool left_before(int i, double time) const
+  {
+    return detached(i) && clock.is_before(state.detached_time[i], time);
+  }
+
   // what happens to a cell at a time; also whose it is and where
 
   SkinCellEvent event(int i, int what, double time) const;

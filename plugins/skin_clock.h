@@ -24,6 +24,10 @@ class SkinClock : protected Pointers {
     return update->whichflag == 2 ? start : time_of_step(update->ntimestep) + offset;
   }
 
+  // whatever the rounding of times
+
+  bool is_before(double time, double other) const { return time < other - 1.0e-9 * update->dt; }
+
   // a run or a minimisation begins
 
   void begin() { start = time_of_step(update->ntimestep); }

@@ -58,6 +58,8 @@ SkinDividingPairs::Spring SkinDividingPairs::spring(int i) const
     error->one(FLERR, "Fix skin/cells: the cells {} and {} of a dividing pair are at one point",
                atom->tag[i], cells.state.pair[i]);
 
+  if (std::fabs(s.way[2]) > domain->prd[2]) return s;    // one of them has left
+
   const double age = cells.clock.now() - cells.state.pair_start[i];
   const double length = std::min(start + rate * age, end);
   const double stretch = s.distance - length;

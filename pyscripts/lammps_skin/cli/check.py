@@ -26,7 +26,7 @@ from lammps_skin.kinds import Kind
 from lammps_skin.model.changes import scene_at
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.stiffness import longest_timestep, stiffest
+from lammps_skin.model.stiffness import evaluations, longest_timestep, stiffest
 from lammps_skin.model.terms import TERMS
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.configuration import Configuration, check_sizes
@@ -224,7 +224,7 @@ def _numerics(scene: Scene) -> Iterator[tuple[str, ...]]:
     numerics, output = scene.numerics, scene.output
     limit, move = numerics.stiffness_limit, numerics.largest_move
     yield "accuracy", numerics.accuracy
-    yield "integrator", f"{numerics.integrator}, {numerics.evaluations} force evaluations a step"
+    yield "integrator", f"{numerics.integrator}, {evaluations(scene)} force evaluations a step"
     yield "stiffness limit", f"{limit:g}" if limit else "none"
     yield "largest move of a step", f"{move:g}" if move else "any"
     longest, name = longest_timestep(scene), stiffest(scene).name

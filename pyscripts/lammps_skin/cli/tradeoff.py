@@ -21,6 +21,7 @@ from lammps_skin.cli.options import (
 from lammps_skin.cli.output import console, print_table
 from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError
+from lammps_skin.model.stiffness import evaluations
 from lammps_skin.study.tradeoff.grid import Grid, Variant, variants
 
 if TYPE_CHECKING:
@@ -140,8 +141,7 @@ def _measure(measurements: Measurements, found: list[Variant]) -> None:
         return
 
     def work(one: Variant) -> float:
-        numerics = one.scene.numerics
-        return measurements.interval * numerics.evaluations / numerics.timestep
+        return measurements.interval * evaluations(one.scene) / one.scene.numerics.timestep
 
     total = sum(map(work, trajectories)) + ROUNDS * sum(map(work, chain(*groups)))
     done = 0.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
@@ -13,9 +12,8 @@ DEFAULT_LEVEL: Level = "balanced"
 LEVELS: dict[str, dict[str, Any]] = {
     "reference": {},
     "balanced": {
-        "integrator": "rkl2",
-        "stages": 13,
-        "timestep": 1.0,
+        "integrator": "rkl1",
+        "timestep": 0.5,
         "largest_move": 0.6,
         "pair_form": "skin",
         "event_interval": 1.0,
@@ -23,7 +21,6 @@ LEVELS: dict[str, dict[str, Any]] = {
     },
     "fast": {
         "integrator": "rkl1",
-        "stages": 13,
         "timestep": 2.0,
         "largest_move": 1.2,
         "pair_form": "skin",
@@ -34,12 +31,11 @@ LEVELS: dict[str, dict[str, Any]] = {
 
 SUMMARIES: dict[Level, str] = {
     "reference": "forward Euler with a timestep of 0.01",
-    "balanced": "Runge-Kutta-Legendre steps of 1 and of second order",
-    "fast": "Runge-Kutta-Legendre steps of 2 and of first order",
+    "balanced": "Runge-Kutta-Legendre steps of 0.5",
+    "fast": "Runge-Kutta-Legendre steps of 2",
 }
 
 TIMESTEPS = (2.0, 1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.02, 0.01)  # of which a level takes one
-MOST_TIMESTEPS = 100  # of a level, for which stages are found
 MANY = 1e9  # steps: the last one more or less does not matter
 RESOLUTION = 10  # steps and event steps in the fastest process, at least
 
@@ -50,9 +46,7 @@ def numerics(
     """Keys of `numerics` that a level gives to a scene.
 
     Its timestep is shortened until all intervals are whole numbers of steps, if they can be, and
-    there are enough of them in the fastest process. For the same stability with another timestep,
-    also one that is given, `stability_limit` of the stages is in proportion to it; Euler, with one
-    stage, needs the shorter timestep.
+    there are enough of them in the fastest process. Euler, if it is given, has that of `reference`.
 
     Parameters
     ----------
@@ -68,29 +62,16 @@ def numerics(
     values = dict(LEVELS[level])
     if not values:
         return values
-    integrator = given.get("integrator", values["integrator"])
-    longest, limit = _longest(level, integrator)
+    euler = given.get("integrator") == "euler"
+    longest = TIMESTEPS[-1] if euler else values["timestep"]
     values["timestep"] = fitted(longest, intervals, fastest)
     values["event_interval"] = min(values["event_interval"], fastest / RESOLUTION)
-    timestep = given.get("timestep", values["timestep"])
-    if isinstance(timestep, (int, float)) and 0 < timestep < MOST_TIMESTEPS * longest:
-        stable = limit * timestep / longest
-        if integrator == "rkl2":
-            stable = 2 * stable + 2
-        values["stages"] = max(3, math.ceil((math.sqrt(1 + 4 * stable) - 1) / 2))
     return values
 
 
-def longest_timestep(level: str, integrator: str, fastest: float) -> float | None:
+def longest_timestep(level: str, fastest: float) -> float | None:
     """The timestep of a level in a scene whose intervals all fit; None if it has none."""
-    return fitted(_longest(level, integrator)[0], [], fastest) if LEVELS[level] else None
-
-
-def _longest(level: str, integrator: str) -> tuple[float, float]:
-    """Timestep of a level, and that times the largest eigenvalue of which it is stable."""
-    values = LEVELS[level]
-    longest, limit = values["timestep"], stability_limit(values["integrator"], values["stages"])
-    return (2 * longest / limit, 2) if integrator == "euler" else (longest, limit)
+    return fitted(LEVELS[level]["timestep"], [], fastest) if LEVELS[level] else None
 
 
 def stability_limit(integrator: str, stages: int) -> float:

@@ -160,8 +160,10 @@ class Numerics(Part):
     integrator: Literal["euler", "rkl1", "rkl2"] = Field(
         "euler", description="forward Euler, or Runge-Kutta-Legendre of order 1 or 2"
     )
-    stages: Annotated[int, Field(ge=3, le=99)] = Field(
-        7, description="force evaluations in a step of rkl1 and rkl2"
+    stages: Annotated[int, Field(ge=3, le=99)] | None = Field(
+        None,
+        description="force evaluations in a step of rkl1 and rkl2; as many as the stiffest term "
+        "of the scene needs if not given",
     )
     timestep: Positive = 0.01
     largest_move: NotNegative = Field(
@@ -184,11 +186,6 @@ class Numerics(Part):
         None, description="of positions; 0: none; 1e-5 if not given and there are stem cells"
     )
     rounding_interval: Positive = Field(2.0, description="time between roundings")
-
-    @property
-    def evaluations(self) -> int:
-        """Force evaluations in a step that is not divided."""
-        return 1 if self.integrator == "euler" else self.stages
 
 
 class Output(Part):

@@ -18,9 +18,9 @@ def remarks(scene: Scene) -> Iterator[str]:
     numerics = scene.numerics
     timestep = numerics.timestep
     cycle = min(stage.shortest_cycle for stage in scene.stages)
-    longest = longest_timestep(numerics.accuracy, numerics.integrator, cycle)
+    longest = longest_timestep(numerics.accuracy, cycle)
     given = "timestep" in scene.given().get("numerics", {})
-    if longest and timestep < longest and not given:
+    if longest and timestep < longest and not given and numerics.integrator != "euler":
         keys = [f"{key} = {time:g}" for key, time in _times(scene) if not fits(time, longest)]
         yield (
             f"numerics.timestep = {timestep:g} instead of {longest:g}, which does not fit "

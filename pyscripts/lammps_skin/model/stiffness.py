@@ -19,6 +19,8 @@ FOLDS = {  # largest eigenvalues that folds come to in runs, by parameter set
     "printed": 200.0, "papilla": 200.0, "weak5": 25.0, "direct5": 40.0, "earlier": 25.0,
     "earlier-stiff": 65.0, "earlier-full": 25.0,
 }  # fmt: skip
+RESERVE = 1.5  # stages are chosen for eigenvalues so many times as large as the stiffest known one
+FEWEST, MOST = 3, 99  # stages
 STEP = 1e-4  # of a difference quotient, relative
 
 
@@ -79,10 +81,26 @@ def _folds(scene: Scene) -> float:
     return FOLDS[scene.parameters] * math.cbrt(scene.membrane.bending_stiffness / usual)
 
 
+def evaluations(scene: Scene) -> int:
+    """Force evaluations in a step that is not divided.
+
+    Stages that are not given are as many as make a step stable for `RESERVE` times the largest
+    eigenvalue of the scene, from `FEWEST` to `MOST`.
+    """
+    numerics = scene.numerics
+    if numerics.integrator == "euler":
+        return 1
+    if numerics.stages:
+        return numerics.stages
+    needed = RESERVE * numerics.timestep * stiffest(scene).eigenvalue
+    enough = (s for s in range(FEWEST, MOST) if stability_limit(numerics.integrator, s) >= needed)
+    return next(enough, MOST)
+
+
 def longest_timestep(scene: Scene) -> float:
-    """The longest timestep that can be stable with the scene's integrator, without dividing it."""
+    """The longest timestep that can be stable with as many stages, without dividing it."""
     eigenvalue = stiffest(scene).eigenvalue
-    stable = stability_limit(scene.numerics.integrator, scene.numerics.stages)
+    stable = stability_limit(scene.numerics.integrator, evaluations(scene))
     return stable / eigenvalue if eigenvalue else math.inf
 
 
@@ -94,7 +112,7 @@ def warning(scene: Scene) -> str:
     numerics = scene.numerics
     method = str(numerics.integrator)
     if method != "euler":
-        method += f" with {numerics.stages} stages"
+        method += f" with {evaluations(scene)} stages"
     name, eigenvalue = stiffest(scene)
     outcome = (
         "steps will be divided" if numerics.largest_move else "the run is likely to end in an error"

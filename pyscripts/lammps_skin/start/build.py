@@ -17,6 +17,7 @@ from lammps_skin.kinds import KINDS, Kind
 from lammps_skin.model.changes import changes
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import to_toml
+from lammps_skin.model.stiffness import evaluations
 from lammps_skin.model.terms import StyledTerm, Terms
 from lammps_skin.plugin import installed
 from lammps_skin.start.configuration import Configuration
@@ -123,7 +124,7 @@ def _variables(terms: Terms, configuration: Configuration) -> Iterator[str]:
     yield index("checkpoint_interval", scene.output.checkpoint_interval)
     yield index("event_interval", scene.numerics.event_interval)
     yield index("integrator", scene.numerics.integrator)
-    yield index("stages", scene.numerics.evaluations)
+    yield index("stages", evaluations(scene))
     yield index("largest_move", scene.numerics.largest_move)
     yield index("stiffness_limit", scene.numerics.stiffness_limit)
     yield index("rounding", scene.rounding)

@@ -13,17 +13,16 @@ import numpy as np
 from lammps_skin.arrays import Floats
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
+from lammps_skin.model.stiffness import evaluations
 from lammps_skin.run.checkpoints import KEPT
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.start.counts import first_counts
-from lammps_skin.study.growth import CROWDED, growth
+from lammps_skin.study.growth import growth
 from lammps_skin.study.rates import SHIPPED, Rates, rates_here, store
 
 EVENTS_PER_CYCLE = 3.0  # of a cell: its share in births, ends of divisions and removals
 REBUILDS_BY_MOTION = 0.15  # per time unit, divided by the neighbor skin
-# parts of a step, beside the first, where cells heap and stiffness has no limit, by integrator
-HEAPED = {"euler": 0.0, "rkl1": 0.5, "rkl2": 1.5}
 PROCESS, HELD = 130e6, 2800.0  # bytes of memory of a process, and of a particle in it
 FRAMED, SAVED, BUILT = 23.0, 330.0, 190.0  # bytes of a particle in a frame, checkpoint, skin.data
 LOGGED = 80.0  # bytes of an event in the log
@@ -89,23 +88,13 @@ def estimate(scene: Scene, rates: Rates | None = None) -> Cost:
 def work(scene: Scene, membrane: float, dermal: float, cells: Floats, divisions: Floats) -> Floats:
     """What is done in a time unit (n, 6), in the order of `Rates`, for numbers of cells (n,)."""
     numerics, interval = scene.numerics, scene.output.dump_interval
-    evaluations = numerics.evaluations / numerics.timestep * _parts(scene, cells)
+    evaluated = np.full(len(cells), evaluations(scene) / numerics.timestep)
     frames = np.full(len(cells), 1 / interval if interval else 0.0)
     particles = membrane + dermal + cells
     return np.column_stack([
-        evaluations, evaluations * membrane, evaluations * dermal, evaluations * cells,
+        evaluated, evaluated * membrane, evaluated * dermal, evaluated * cells,
         _rebuilds(scene, divisions) * particles, frames,
     ])  # fmt: skip
-
-
-def _parts(scene: Scene, cells: Floats) -> Floats:
-    """Into how many parts a step is divided: heaps of cells draw the membrane out into tethers."""
-    lx, ly, _ = scene.box_sides
-    numerics = scene.numerics
-    if numerics.stiffness_limit:
-        return np.ones(len(cells))
-    heaped: Floats = np.interp(cells / (lx * ly), [*CROWDED.values()], [0.0, 1.0])
-    return 1 + HEAPED[numerics.integrator] * heaped
 
 
 def _rebuilds(scene: Scene, divisions: Floats) -> Floats:

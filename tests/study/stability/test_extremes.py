@@ -27,7 +27,10 @@ TOUGH = {
     "no exclusion": {"cells.exclusion_stiffness": 0.0, "cells.membrane_exclusion_stiffness": 0.0},
     "adhesion x 100": {"cells.adhesion_stiffness": 500.0, "cells.binding_stiffness": 2500.0},
     "growth x 100": {"cells.division_rate": 14.0},
-    "stiff links": {"membrane.stretch_stiffness": 40.0, "numerics.stiffness_limit": 100.0},
+    "links x 1000": {"membrane.stretch_stiffness": 40.0},
+    "links x 1000 with a limit": {
+        "membrane.stretch_stiffness": 40.0, "numerics.stiffness_limit": 100.0,
+    },
     "all divide at once": {
         "cells.first_phase": 0.0, "cells.cycle_delay": 1.0, "cells.cycle_rate": 1e6,
     },
@@ -37,17 +40,17 @@ STIFF_LINKS = r"unstable on step \d+: .* most of it from stretch, .*try a smalle
 STIFF_SPRINGS = r"unstable on step \d+: .* most of it from division springs, which would need"
 THROWN = "the state that this run began with is like that"
 BEYOND = {  # what not every level can run: how each ends
-    "links x 1000": (  # without a limit of stiffness
-        {"membrane.stretch_stiffness": 40.0},
+    "links x 1000": (  # with fewer stages than they need
+        {"membrane.stretch_stiffness": 40.0, "numerics.stages": 3},
         {"reference": "", "balanced": STIFF_LINKS, "fast": STIFF_LINKS},
     ),
     "cells x 1e9": (
         {"cells.exclusion_stiffness": 4e7, "cells.membrane_exclusion_stiffness": 4e7},
-        {"reference": STIFF_CELLS, "balanced": STIFF_CELLS, "fast": STIFF_CELLS},
+        {"reference": STIFF_CELLS, "balanced": "", "fast": ""},
     ),
-    "division springs x 4e6": (  # steps of ten thousands of parts would be stable
+    "division springs x 4e6": (  # Euler would need steps of ten thousands of parts
         {"cells.division_stiffness": 2e7},
-        {"reference": STIFF_SPRINGS, "balanced": STIFF_SPRINGS, "fast": STIFF_SPRINGS},
+        {"reference": STIFF_SPRINGS, "balanced": "", "fast": ""},
     ),
 }  # fmt: skip
 CROWD = r"unstable on step 1: .* pair forces with atom \d+ of type 3 at a distance of 0\.\d+, "

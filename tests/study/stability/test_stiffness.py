@@ -98,11 +98,11 @@ def test_sizes_beyond_all_measure(key: str, size: float) -> None:
         ({"cells.binding_stiffness": 2500.0}, r"up to 0.00096 with binding \(stiffness 2.08e"),
         (
             {"numerics.accuracy": "balanced", "numerics.stages": 3},
-            "timestep = 1: rkl2 with 3 stages is stable up to 0.0769 with folds as runs of",
+            "timestep = 0.5: rkl1 with 3 stages is stable up to 0.185 with folds as runs of",
         ),
         (
-            {"numerics.accuracy": "fast", "cells.adhesion_stiffness": 2500.0},
-            "with adhesion .*; beyond, steps will be divided",
+            {"numerics.accuracy": "fast", "cells.adhesion_stiffness": 250000.0},
+            "with 99 stages is stable .* with adhesion .*; beyond, steps will be divided",
         ),
     ],
 )

@@ -121,7 +121,7 @@ def test_grid():
     assert by_name["scene"].timestep == 0.02  # which the levels do not take over
     assert by_name["reference"].timestep == 0.01
     assert by_name["balanced"].timestep == by_name["fast"].timestep == 0.2  # for the dump
-    assert any(reason.startswith("variant rkl1-0.5: output.dump_interval") for reason in left_out)
+    assert any(reason.startswith("variant rkl1-1: output.dump_interval") for reason in left_out)
 
 
 def test_another_command_in_the_folder(measurements, busy):

@@ -24,7 +24,7 @@ def test_quick(skin, tmp_path):
     assert list(found) == ["reference", "half", "balanced", "fast"]
     rms = {name: float(row["rms"]) for name, row in found.items()}
     assert 0 < rms["half"] < rms["reference"] and min(rms["balanced"], rms["fast"]) > 0
-    assert [float(row["evaluations"]) for row in found.values()] == [100, 200, 13, 10]
+    assert [float(row["evaluations"]) for row in found.values()] == [100, 200, 8, 6]
     assert float(found["reference"]["cpu"]) == 1
     assert all(float(row["cpu"]) > 0 and not row["problem"] for row in found.values())
     (order,) = {row["order_median"] for row in rows(tmp_path / "tradeoff" / "tiny-orders.csv")}
