@@ -63,8 +63,9 @@ def test_stages_that_are_given_stay() -> None:
 
 def test_stages_end_at_the_most_that_there_are() -> None:
     """A timestep that is too long for them is told of."""
-    scene = Scene.load("quarter-ring").replace(**{"numerics.timestep": 1e4, "output.thermo_interval": 1e4, "output.dump_interval": 1e4,
-                   "output.checkpoint_interval": 1e4, "end_time": 1e4})
+    times = ("output.thermo_interval", "output.dump_interval", "output.checkpoint_interval")
+    long = dict.fromkeys((*times, "numerics.timestep", "end_time"), 1e4)
+    scene = Scene.load("quarter-ring").replace(**long)
     assert evaluations(scene) == 99
     assert "rkl1 with 99 stages is stable up to 396" in warning(scene)
 
