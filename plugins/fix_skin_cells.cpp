@@ -23,8 +23,8 @@ using namespace FixConst;
 FixSkinCells::FixSkinCells(LAMMPS *lmp, int narg, char **arg) :
     Fix(lmp, narg, arg), cells(lmp, groupbit), pairs(lmp, cells), divisions(lmp, cells, pairs),
     attachment(lmp, cells, pairs), interventions(lmp), lineage(lmp, cells.kinds, interventions),
-    state_section(lmp), every(1), any_away(0), energy{}, energy_all{}, energy_summed(false), nmax(0),
-    rearranged(true), reach_checked(false)
+    state_section(lmp), every(1), any_away(0), energy{}, energy_all{}, energy_summed(false),
+    nmax(0), rearranged(true), reach_checked(false)
 {
   parse(narg, arg);
   lineage.skip_used_ids();    // also those of atoms that are removed before the first run

@@ -77,7 +77,7 @@ class FixSkinCells : public Fix {
 
   int every;                   // steps between event steps
   std::vector<SkinNearest::Neighbor> closest;    // to the cells of the list
-  std::vector<char> parted;                      // which cells of the list are far enough from that of their pair
+  std::vector<char> parted;    // which cells of the list are far enough from that of their pair
   std::vector<double> away;    // heights of those that are out of reach of forces, or NaN
   int any_away;                // whether there are any on any rank
   double energy[NTERMS], energy_all[NTERMS];
