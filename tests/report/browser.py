@@ -36,7 +36,7 @@ class Browser:
         Addresses that were asked for.
     """
 
-    def __init__(self, folder: Path, size: tuple[int, int] = (1366, 768)) -> None:
+    def __init__(self, folder: Path, size: tuple[int, int] = (1000, 700)) -> None:
         assert CHROMIUM
         theirs, self._write = os.pipe()
         self._read, their_write = os.pipe()

@@ -27,6 +27,7 @@ COMMANDS = {
     "evaluate": "Print energies by term and the force on every particle of a text file.",
     "stats": "Show the observables of a run: over time, averaged, with events and energies.",
     "report": "Write a page that shows a run, or several side by side, in any browser.",
+    "watch": "Watch a run as it goes on, in the terminal and in a browser.",
     "ensemble": "Run scenes with many seeds, and store the observables of each run.",
     "compare": "Show runs or ensembles side by side, with tests between them.",
     "claims": "Test the paper's claims on the tables of ensembles.",

@@ -5,7 +5,6 @@ const WIDE = 900; // pixels of a map
 
 class Maps {
   constructor(host, run) {
-    this.run = run;
     const captions = {
       heights: "Height of the membrane (dark is low), with the cells that stay on it",
       clones: "Cells from above, each clone in its colour",
@@ -16,12 +15,17 @@ class Maps {
     row.innerHTML = Object.entries(captions).map(([name, caption]) =>
       `<figure><canvas data-map="${name}"></canvas><figcaption>${caption}</figcaption></figure>`).join("");
     host.append(row);
+    for (const canvas of row.querySelectorAll("canvas")) this[canvas.dataset.map] = canvas.getContext("2d");
+    this.take(run);
+  }
+
+  // another run, or the same one grown
+  take(run) {
+    this.run = run;
     const [x, y] = run.told.box;
-    for (const canvas of row.querySelectorAll("canvas")) {
-      const name = canvas.dataset.map;
+    for (const { canvas } of [this.heights, this.clones, this.section]) {
       canvas.width = WIDE;
-      canvas.height = Math.round(WIDE * (name === "section" ? this.depth / x : y / x));
-      this[name] = canvas.getContext("2d");
+      canvas.height = Math.round(WIDE * (canvas.dataset.map === "section" ? this.depth : y) / x);
     }
   }
 

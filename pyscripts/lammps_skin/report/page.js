@@ -24,7 +24,7 @@ class Page {
     this.steps = [...new Set(runs.flatMap((run) => run.told.frames))].sort((a, b) => a - b);
     $("slider").max = this.steps.length - 1;
     this.views.forEach((view, n) => { if (view.run !== runs[n]) view.take(runs[n]); });
-    this.maps.forEach((maps, n) => { maps.run = runs[n]; });
+    this.maps.forEach((maps, n) => maps.take(runs[n]));
     this.charts = new Charts($("charts"), runs, (time) => this.goTo(time));
     $("lead").textContent = runs.map(({ told }) =>
       `${runs.length > 1 ? `${told.name}: ` : ""}${told.description || told.scene}, parameters ${told.parameters}, t = ${short(told.from)} to ${short(told.to)}`).join(" | ");
@@ -150,13 +150,14 @@ async function embedded() {
 }
 
 // a run that goes on: what is new comes from the address of the page
-async function follow(page, version = 0) {
+async function follow(page, version) {
   try {
-    const told = await (await fetch(`/told?after=${version}`)).json();
-    if (told.version > version) {
-      const packed = new Uint8Array(await (await fetch(`/packed?version=${told.version}`)).arrayBuffer());
-      page.take([new Run(told.told, await unpack(packed))]);
-      version = told.version;
+    const answer = await fetch(`/news?after=${version}`);
+    if (answer.status === 200) {
+      const bytes = new Uint8Array(await answer.arrayBuffer()), end = bytes.indexOf(10);
+      const news = JSON.parse(new TextDecoder().decode(bytes.subarray(0, end)));
+      page.take([new Run(news.told, await unpack(bytes.subarray(end + 1)))]);
+      version = news.version;
     }
   } catch (error) {
     $("lead").textContent = "The run is no longer served: skin watch has ended.";
@@ -168,5 +169,5 @@ async function follow(page, version = 0) {
 embedded().then((runs) => {
   window.page = new Page(runs);
   document.body.dataset.ready = "yes";
-  if (SETTINGS.live) follow(window.page);
+  if (SETTINGS.live) follow(window.page, SETTINGS.live);
 });

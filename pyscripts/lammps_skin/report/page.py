@@ -49,8 +49,15 @@ def report(runs: Sequence[Path], output: Path, frames: int | None = None) -> Pat
     return output
 
 
-def page(records: Sequence[Record], live: bool = False) -> str:
-    """HTML of some runs; a page that is live asks where it came from for what is new."""
+def page(records: Sequence[Record], live: int = 0) -> str:
+    """HTML of some runs.
+
+    Parameters
+    ----------
+    records : sequence of Record
+    live : int
+        Not 0: the number of this version; the page asks where it came from for later ones.
+    """
     folder = files(__package__ or "lammps_skin.report")
 
     def of(name: str) -> str:

@@ -31,6 +31,7 @@ class View {
   // another run, or the same one grown
   take(run) {
     this.run = run;
+    for (const old of [this.sheet, this.ball, this.balls]) old?.dispose();
     const { points, arrays, told } = run, copies = arrays.copies.length / 3;
     this.sheet = new THREE.BufferGeometry();
     for (const name of ["position", "normal", "color"])
@@ -39,6 +40,7 @@ class View {
     const most = arrays.number.reduce((a, b) => Math.max(a, b), 1);
     this.ball = most > 3000 ? new THREE.SphereGeometry(1, 12, 9) : new THREE.SphereGeometry(1, 20, 14);
     this.paint = new THREE.MeshLambertMaterial({ vertexColors: true, side: THREE.DoubleSide });
+    this.paint.visible = this.sheetShown ?? true;
     this.skin = new THREE.MeshLambertMaterial({ side: THREE.DoubleSide });
     this.balls = new THREE.InstancedMesh(this.ball, this.skin, most);
     this.balls.setColorAt(0, new THREE.Color());
@@ -48,7 +50,7 @@ class View {
       ([a, b, c]) => new THREE.Plane(new THREE.Vector3(a, b, 0), c));
     this.ring = new THREE.Mesh(this.ball, new THREE.MeshBasicMaterial({ color: CHOSEN, transparent: true, opacity: 0.55 }));
     this.ring.scale.setScalar(1.25 * told.radius);
-    this.tile(false);
+    this.tile(this.copied ?? false);
   }
 
   // the box alone, or with its eight neighbors
@@ -90,7 +92,7 @@ class View {
   }
 
   showSheet(shown) {
-    this.paint.visible = shown;
+    this.sheetShown = this.paint.visible = shown;
     this.draw();
   }
 

@@ -243,6 +243,16 @@ def find_resumption(directory: Path) -> Resumption:
     return Resumption(None, manifest.get("variables", {}), notes, [])
 
 
+def checkpoint_times(directory: Path) -> dict[float, Path]:
+    """Restart files by the times of their states, the oldest first; also while a run goes on."""
+    try:
+        entries = (_read_manifest(directory) or {}).get("checkpoints", [])
+    except SkinError:
+        return {}
+    files = {float(entry["time"]): directory / _name(entry) for entry in entries}
+    return {time: path for time, path in files.items() if path.exists()}
+
+
 def _name(entry: Mapping[str, Any]) -> str:
     return f"skin.step{entry['step']}.restart"
 

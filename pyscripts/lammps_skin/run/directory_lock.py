@@ -104,6 +104,20 @@ class DirectoryLock:
         return None
 
 
+def is_held(directory: Path) -> bool:
+    """Whether a process goes on with the run in a directory, as far as locks of the system tell."""
+    opened = os.open(directory, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(opened, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:  # the file system has none
+        return False
+    finally:
+        os.close(opened)
+    return False
+
+
 def _bound(name: str) -> int | None:
     """A socket of a name that one process of this machine can have; None if another has it."""
     held = socket.socket(socket.AF_UNIX)
