@@ -56,10 +56,10 @@ def blocks(page: str) -> list[tuple[str, str]]:
 
 
 def commands(start: str) -> Iterator[tuple[str, list[str]]]:
-    """Fenced lines of all pages that begin with a command: page, words."""
+    """Lines of all pages that begin with a command, in blocks without a language: page, words."""
     for name in BY_NAME:
-        for _, block in blocks(name):
-            for line in block.splitlines():
+        for language, block in blocks(name):
+            for line in () if language else block.splitlines():
                 words = shlex.split(line, comments=True)
                 if start in words[:4]:
                     yield name, words[words.index(start) + 1 :]

@@ -131,7 +131,7 @@ class State:
         return height, width, spacing
 
     def skewness(self) -> Skewness:
-        """Skewness of the height field, its 95 % interval from blocks of about `BLOCK`^2."""
+        """Skewness of the height field, its 95 % interval from square blocks of side `BLOCK`."""
         per_side = max(round(float(self.box.min()) / BLOCK), 1)
         return skewness(blocks(self.height, per_side), resamples=RESAMPLES)
 
