@@ -99,12 +99,14 @@ $(OF_RUNS): $(INSTALLED)
 	$(SKIN) figure $(word 2,$(subst -, ,$(basename $(@F)))) $(if $(findstring quick,$@),--quick) --data $(RUNS)/shown --yes -o docs/figures
 	$(REDUCED) $@
 
-SEEN := cells-t600 stem-t1000 height-t600 section-t1000 demo
+SEEN := cells-t600 stem-t1000 height-t600 section-t1000 clones-t600 lineage-t600 demo
 MADE += $(SEEN:%=docs/figures/%.png)
 docs/figures/cells-t600.png: VIEW := --time 600
 docs/figures/stem-t1000.png: VIEW := --time 1000 --show stem
 docs/figures/height-t600.png: VIEW := --time 600 --view height
 docs/figures/section-t1000.png: VIEW := --time 1000 --view section
+docs/figures/clones-t600.png: VIEW := --time 600 --view clones
+docs/figures/lineage-t600.png: VIEW := --time 600 --view lineage
 docs/figures/demo.png: VIEW := --time 1000 --view all
 $(SEEN:%=docs/figures/%.png): $(RUNS)/quarter-ring.done
 	$(SKIN) snapshot $(RUNS)/quarter-ring $(VIEW) -o $@

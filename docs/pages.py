@@ -30,6 +30,7 @@ def reduce(path: str) -> None:
 
 def moments(run: str, path: str, *times: str) -> None:
     """Draw a run in three dimensions at some times, side by side."""
+    from lammps_skin.figures.look import Look
     from lammps_skin.figures.moments import read_moments
     from lammps_skin.figures.snapshot import draw_view, kinds_of, legend, save
 
@@ -37,7 +38,7 @@ def moments(run: str, path: str, *times: str) -> None:
     kinds = kinds_of(shown[0].scene, None)
     figure = Figure(figsize=(4.1 * len(shown), 4.0), layout="constrained")
     for axes, moment in zip(figure.subplots(1, len(shown)), shown, strict=True):
-        draw_view(axes, moment, kinds, 400)
+        draw_view(axes, moment, kinds, Look(size=400))
     legend(figure, shown[0], kinds)
     save(figure, path)
     reduce(path)

@@ -53,12 +53,13 @@ class Kind(int):
     __str__ = int.__repr__
 
 
-Kind.DERMAL = Kind(1, "dermal", colour=(0.90, 0.84, 0.72))
-Kind.MEMBRANE = Kind(2, "membrane", colour=(0.96, 0.80, 0.69))
+# told apart with each of the three kinds of colour blindness and, by their lightness, in grey
+Kind.DERMAL = Kind(1, "dermal", colour=(0.93, 0.90, 0.82))
+Kind.MEMBRANE = Kind(2, "membrane", colour=(0.87, 0.68, 0.56))
 Kind.STEM = Kind(3, "stem", colour=(0.50, 0.93, 0.36))
 Kind.TA = Kind(4, "ta", "TA", (0.36, 0.18, 0.50))
 Kind.EXHAUSTED = Kind(5, "exhausted", colour=(0.62, 0.56, 0.68))
-Kind.ND = Kind(6, "nd", "ND", (0.60, 0.06, 0.10))
+Kind.ND = Kind(6, "nd", "ND", (0.80, 0.16, 0.10))
 
 KINDS = (Kind.DERMAL, Kind.MEMBRANE, Kind.STEM, Kind.TA, Kind.EXHAUSTED, Kind.ND)
 """The kinds that every scene knows; cells that a scene adds have the numbers after these."""

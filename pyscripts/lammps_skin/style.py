@@ -1,6 +1,76 @@
-"""How figures look: as matplotlib draws by itself, whatever a user's matplotlibrc says."""
+"""How figures look: the same whatever a user's matplotlibrc says, on a screen or in print."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ContextDecorator, contextmanager
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Any
 
 from matplotlib import style
 
-# decorates all that draws or saves a figure
-plain = style.context("default")
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+
+TEXT = {"pdf.fonttype": 42, "svg.fonttype": "none"}  # letters stay letters in PDF and SVG
+SHEETS: dict[str, dict[str, Any]] = {
+    "screen": TEXT,
+    "print": TEXT | {
+        "font.size": 7, "axes.titlesize": 7, "axes.labelsize": 7, "legend.fontsize": 6,
+        "xtick.labelsize": 6, "ytick.labelsize": 6, "axes.linewidth": 0.6, "lines.linewidth": 1.0,
+        "xtick.major.width": 0.6, "ytick.major.width": 0.6, "xtick.major.size": 2.5,
+        "ytick.major.size": 2.5, "axes.spines.top": False, "axes.spines.right": False,
+        "font.family": "sans-serif", "font.sans-serif": ["Arial", "Helvetica", "DejaVu Sans"],
+    },
+}  # fmt: skip
+PRINTED_WIDTH = 183 / 25.4  # two columns of a journal, inches
+LETTERS = "abcdefghijklmnopqrstuvwxyz"
+
+_sheet: ContextVar[str] = ContextVar("sheet", default="screen")
+
+
+class Plain(ContextDecorator):
+    """Within it, and in what it decorates, figures look as the chosen sheet says."""
+
+    def __enter__(self) -> None:
+        self._context = style.context(["default", SHEETS[_sheet.get()]])
+        self._context.__enter__()
+
+    def __exit__(self, *exception: Any) -> None:
+        self._context.__exit__(*exception)
+
+    def _recreate_cm(self) -> Plain:
+        return Plain()
+
+
+plain = Plain()
+
+
+@contextmanager
+def printed() -> Iterator[None]:
+    """Within it, figures are drawn for print: small letters, the width of a page, panels named."""
+    token = _sheet.set("print")
+    try:
+        yield
+    finally:
+        _sheet.reset(token)
+
+
+def in_print() -> bool:
+    """Whether figures are drawn for print."""
+    return _sheet.get() == "print"
+
+
+def size(width: float, height: float) -> tuple[float, float]:
+    """Width and height of a figure, inches; in print at most as wide as a page."""
+    factor = min(1.0, PRINTED_WIDTH / width) if in_print() else 1.0
+    return width * factor, height * factor
+
+
+def name_panels(panels: Sequence[Axes]) -> None:
+    """Put a letter at the upper left of each panel in print."""
+    if in_print() and len(panels) > 1:
+        for letter, axes in zip(LETTERS, panels, strict=False):
+            axes.set_title(letter, loc="left", fontweight="bold", fontsize=8)

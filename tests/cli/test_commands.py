@@ -50,6 +50,18 @@ def test_skin_alone_prints_the_help(skin):
     assert all(re.search(rf"^  {command}\b", answer.out, re.M) for command in COMMANDS)
 
 
+def test_the_help_loads_nothing_that_takes_long():
+    code = (
+        "import sys; from lammps_skin.cli import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit: print(*{name.split('.')[0] for name in sys.modules})"
+    )
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    loaded = set(ended.stdout.splitlines()[-1].split())
+    assert "lammps_skin" in loaded
+    assert not loaded & {"numpy", "scipy", "matplotlib", "lammps", "MDAnalysis", "h5py", "pydantic"}
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_of_each_command(skin, command):
     answer = skin(command, "--help")

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
 from lammps_skin.arrays import Floats
 from lammps_skin.figures import gallery, snapshot
+from lammps_skin.figures.look import Look
 from lammps_skin.figures.moments import Moment
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import lattice
 from lammps_skin.trajectory.dump import write_dump
+from lammps_skin.trajectory.frame import CELL_STATE
 from lammps_skin.trajectory.store import Store
 
 
@@ -32,8 +35,8 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer pixels, to be quick."""
-    for module in (gallery, snapshot):
-        monkeypatch.setattr(module, "WIDTH", 150)
+    monkeypatch.setattr(gallery, "LOOK", Look(size=160, dpi=30))
+    monkeypatch.setattr(snapshot, "Look", lambda: Look(size=160, dpi=30))
 
 
 Landscape = Callable[..., Moment]
@@ -50,6 +53,13 @@ def landscape() -> Landscape:
         others = np.array(particles, float).reshape(-1, 4)
         kinds = np.concatenate([np.full(len(membrane), Kind.MEMBRANE), others[:, 0].astype(int)])
         positions = np.concatenate([membrane, others[:, 1:]])
-        return Moment(scene, 0.0, kinds, positions, lattice.triangles(scene.membrane.lattice))
+        triangles = lattice.triangles(scene.membrane.lattice)
+        z = positions[kinds != Kind.DERMAL, 2]
+        heights = float(z.min() - 1.4), float(z.max() + 2.8)
+        ids = np.arange(1, len(kinds) + 1)
+        state = {name: np.full(len(kinds), fill) for name, fill in CELL_STATE.items()}
+        return Moment(
+            scene, 0.0, kinds, positions, triangles, heights, ids, state, cast(Store, None)
+        )
 
     return make

@@ -32,6 +32,8 @@ def test_snapshot(skin, run, tmp_path):
     [
         (["--time", "400"], "time = 400: the nearest frame of"),
         (["--view", "top"], "view = 'top': must be one of"),
+        (["--shift", "3"], "shift = '3': must be two numbers, such as 10,-5"),
+        (["--zoom", "0"], "zoom = 0: must be from 0.1 to 100"),
         (["--show", "stem,fibre"], "show = 'stem,fibre': must be some of"),
         (["--view", "section", "-o", "/dev/null/a.png"], "output /dev/null/a.png: File exists"),
     ],

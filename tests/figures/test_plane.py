@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lammps_skin.figures.look import Look
 from lammps_skin.figures.plane import (
     draw_heights,
     draw_section,
@@ -14,6 +15,8 @@ from lammps_skin.figures.plane import (
 from lammps_skin.kinds import Kind
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+GROUND = tuple(1 - 0.5 * (1 - np.array(Kind.DERMAL.colour)))
 
 
 def colour_at(axes, figure, x, z):
@@ -62,13 +65,40 @@ def test_the_picture_of_a_section(landscape):
     )  # fmt: skip
     figure = Figure()
     axes = figure.add_subplot()
-    draw_section(axes, moment, 5.0, (Kind.STEM, Kind.TA, Kind.ND))
+    draw_section(axes, moment, 5.0, (Kind.STEM, Kind.TA, Kind.ND), Look())
     for x, z, colour in [
         (4.0, 12.4, Kind.STEM.colour), (20.0, 12.4, Kind.ND.colour),
-        (12.0, 5.0, Kind.DERMAL.colour), (15.0, 7.0, (1, 1, 1)),
+        (12.0, 5.0, Kind.DERMAL.colour), (15.0, 7.0, GROUND), (9.0, 10.0, Kind.MEMBRANE.colour),
+        (9.0, 10.9, Kind.MEMBRANE.colour), (9.0, 11.4, (1, 1, 1)),
     ]:  # fmt: skip
         assert colour_at(axes, figure, x, z) == pytest.approx(colour, abs=0.01)
-    assert colour_at(axes, figure, 9.0, 10.0).max() < 0.4
+
+
+def test_the_stem_cell_of_a_section_is_in_front(landscape):
+    """Also of a cell that is nearer to the plane; what lies behind the plane is pale."""
+    moment = landscape(
+        lambda x, _: 10 + 0 * x,
+        (Kind.TA, 4.0, 5.0, 12.4), (Kind.STEM, 4.3, 5.2, 12.4), (Kind.TA, 20.0, 7.0, 12.4),
+        (Kind.TA, 25.0, 3.0, 12.4),
+    )  # fmt: skip
+    figure = Figure()
+    axes = figure.add_subplot()
+    draw_section(axes, moment, 5.0, (Kind.STEM, Kind.TA), Look())
+    assert colour_at(axes, figure, 4.0, 12.4) == pytest.approx(Kind.STEM.colour, abs=0.01)
+    pale = 1 - 0.4 * (1 - np.array(Kind.TA.colour))
+    assert colour_at(axes, figure, 20.0, 12.4) == pytest.approx(pale, abs=0.01)
+    assert colour_at(axes, figure, 25.0, 12.4) == pytest.approx([1, 1, 1])
+
+
+def test_a_stem_cell_of_a_section_is_joined_with_its_partner(landscape):
+    moment = landscape(lambda x, _: 10 + 0 * x, (Kind.STEM, 4.0, 5.0, 12.4))
+    partner = int(np.hypot(moment.membrane[:, 0] - 6, moment.membrane[:, 1] - 5).argmin())
+    moment.state["partner"][-1] = partner + 1
+    axes = Figure().add_subplot()
+    draw_section(axes, moment, 5.0, (Kind.STEM,), Look())
+    x, z = axes.lines[0].get_data()
+    assert x == pytest.approx([4.0, moment.membrane[partner, 0]])
+    assert z == pytest.approx([12.4, 10.0])
 
 
 def test_the_map_of_heights(landscape):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from lammps_skin.figures.render import Camera, Canvas, Spheres, Surface, axes_of, picture
+from lammps_skin.figures.camera import Camera, axes_of
+from lammps_skin.figures.raster import Canvas, Spheres, Surface
+from lammps_skin.figures.render import hollow, picture
 
 GREEN, RED = (0.2, 0.9, 0.2), (0.9, 0.2, 0.2)
 CUBE = np.stack(np.meshgrid([-2.0, 2.0], [-2.0, 2.0], [-2.0, 2.0]), axis=-1).reshape(-1, 3)
@@ -30,7 +32,14 @@ def sheet(height, size=40):
     )
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    return Surface(corners, np.repeat(normal[:, None], 3, axis=1), np.array([0.9, 0.8, 0.7]))
+    colours = np.broadcast_to([0.9, 0.8, 0.7], corners.shape)
+    return Surface(corners, np.repeat(normal[:, None], 3, axis=1), colours)
+
+
+def drawn(things, azimuth, elevation, width, sides=None):
+    """Picture of the cube and what is in it."""
+    camera = Camera.looking(axes_of(azimuth, elevation), CUBE, width)
+    return picture(things, camera, 1.0, sides)
 
 
 def is_green(image):
@@ -44,8 +53,7 @@ def is_red(image):
 @pytest.mark.parametrize("view", VIEWS)
 def test_what_is_drawn_of_a_sphere_lies_on_it(view):
     camera = Camera.looking(axes_of(*view), CUBE, 300)
-    canvas = Canvas(camera)
-    canvas.draw(spheres((0.5, -0.3, 0.2, 1.1, GREEN)))
+    canvas = Canvas(camera, [spheres((0.5, -0.3, 0.2, 1.1, GREEN))])
     places = canvas.places() - [0.5, -0.3, 0.2]
     assert np.linalg.norm(places, axis=1) == pytest.approx(1.1, abs=1e-9)
     assert (places @ camera.axes[2] >= 0).all()
@@ -55,8 +63,7 @@ def test_what_is_drawn_of_a_sphere_lies_on_it(view):
 @pytest.mark.parametrize("view", VIEWS)
 def test_what_is_drawn_of_a_plane_lies_in_it(view):
     camera = Camera.looking(axes_of(*view), CUBE, 300)
-    canvas = Canvas(camera)
-    canvas.draw(sheet(lambda x, y: 0.3 * x))
+    canvas = Canvas(camera, [sheet(lambda x, y: 0.3 * x)])
     places = canvas.places()
     assert places[:, 2] == pytest.approx(0.3 * places[:, 0], abs=1e-9)
     normal = np.array([-0.3, 0.0, 1.0]) / np.hypot(0.3, 1.0)
@@ -67,23 +74,23 @@ def test_what_is_drawn_of_a_plane_lies_in_it(view):
 @pytest.mark.parametrize("order", [1, -1])
 def test_the_nearer_sphere_hides_the_farther(order):
     both = [spheres((0, 0, -1, 1, RED)), spheres((0, 0, 1, 0.5, GREEN))][::order]
-    image = picture(both, CUBE, 0.0, 90.0, 200, 1.0)
+    image = drawn(both, 0.0, 90.0, 200)
     middle = np.array(image.shape[:2]) // 2
     assert is_green(image)[tuple(middle)]
     assert is_red(image).sum() > is_green(image).sum()
-    from_below = picture(both, CUBE, 0.0, -90.0, 200, 1.0)
+    from_below = drawn(both, 0.0, -90.0, 200)
     assert is_red(from_below).any() and not is_green(from_below).any()
 
 
 def test_empty_pixels_are_white():
-    image = picture([spheres((0, 0, 0, 1, RED))], CUBE, 30.0, 40.0, 200, 1.0)
+    image = drawn([spheres((0, 0, 0, 1, RED))], 30.0, 40.0, 200)
     assert (image[[0, 0, -1, -1], [0, -1, 0, -1]] == 1).all()
     assert image.min() >= 0 and image.max() <= 1
 
 
 def test_a_hill_is_brighter_on_the_lit_side():
     hill = sheet(lambda x, y: 1.5 * np.exp(-(x**2) - y**2), 80)
-    image = picture([hill], CUBE, -90.0, 90.0, 240, 1.0).mean(axis=2)
+    image = drawn([hill], -90.0, 90.0, 240).mean(axis=2)
     middle = np.array(image.shape) // 2
     off = image.shape[1] // 8  # half a length, where the hill is steepest
     assert image[middle[0], middle[1] - off] > 1.2 * image[middle[0], middle[1] + off]
@@ -93,7 +100,7 @@ def test_a_hill_is_brighter_on_the_lit_side():
 def test_a_sphere_throws_a_shadow_away_from_the_light():
     flat = sheet(lambda x, y: 0 * x)
     ball = spheres((0, 0, 1.2, 0.5, RED))
-    bare, both = (picture(things, CUBE, -90.0, 90.0, 240, 1.0) for things in ([flat], [flat, ball]))
+    bare, both = (drawn(things, -90.0, 90.0, 240) for things in ([flat], [flat, ball]))
     darker = (bare - both).mean(axis=2) > 0.1
     row, column = np.argwhere(darker & ~is_red(both)).mean(axis=0)
     assert column > 1.1 * bare.shape[1] / 2
@@ -103,9 +110,51 @@ def test_a_sphere_throws_a_shadow_away_from_the_light():
 def test_hollows_are_darker_than_the_plane():
     pit = sheet(lambda x, y: -1.5 * np.exp(-4 * (x**2 + y**2)), 80)
     camera = Camera.looking(axes_of(0.0, 90.0), CUBE, 200)
-    canvas = Canvas(camera)
-    canvas.draw(pit)
-    hollow = canvas.hollow(0.5).reshape(camera.shape)
+    behind = hollow(Canvas(camera, [pit]).depth, 0.5 * camera.scale)
     middle = np.array(camera.shape) // 2
-    assert hollow[tuple(middle)] > 0.5
-    assert hollow[middle[0], middle[1] // 2] < 0.1
+    assert behind[tuple(middle)] > 0.5
+    assert behind[middle[0], middle[1] // 2] < 0.1
+
+
+# ---- cut by the sides of a box
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_nothing_is_drawn_outside_of_the_sides(view):
+    camera = Camera.looking(axes_of(*view), CUBE, 300)
+    things = [sheet(lambda x, y: 0.3 * x), spheres((1.0, 0.2, 0.5, 0.8, RED))]
+    places = Canvas(camera, things, (1.0, 1.5)).places()
+    assert (places[:, :2] > -1e-9).all() and (places[:, :2] < np.array([1.0, 1.5]) + 1e-9).all()
+    inside = Canvas(camera, things).places()
+    inside = inside[((inside[:, :2] > 0) & (inside[:, :2] < [1.0, 1.5])).all(axis=1)]
+    assert len(places) >= len(inside) > 0
+
+
+def test_a_sphere_that_a_side_cuts_is_closed_by_a_disc():
+    """Seen along x, from where the side x = 1 cuts the sphere: a disc of the radius of the cut."""
+    camera = Camera.looking(axes_of(0.0, 0.0), CUBE, 300)
+    canvas = Canvas(camera, [spheres((0.8, 1.0, 0.0, 0.7, RED))], (1.0, 2.0))
+    places = canvas.places()
+    on_side = np.isclose(places[:, 0], 1.0)
+    cut = np.pi * (0.7**2 - 0.2**2) * camera.scale**2
+    assert on_side.sum() == pytest.approx(cut, rel=0.02)
+    assert len(places) == pytest.approx(np.pi * 0.7**2 * camera.scale**2, rel=0.02)
+    normals, _ = canvas.looks(slice(0, camera.shape[0]))
+    row, column = np.array(camera.project(np.array([1.0, 1.0, 0.0]))[:2]).round().astype(int)[::-1]
+    assert normals[:, row, column] == pytest.approx([0, 0, 1])
+
+
+def test_zoom_keeps_the_middle():
+    views = [Camera.looking(axes_of(30.0, 40.0), CUBE, 200, zoom) for zoom in (1.0, 2.0)]
+    assert views[0].shape == views[1].shape
+    middles = [camera.project(np.zeros(3))[:2] for camera in views]
+    assert middles[0] == pytest.approx(middles[1])
+    ends = [camera.project(np.array([0.0, 0.0, 1.0]))[:2] for camera in views]
+    assert ends[1] - middles[1] == pytest.approx(2 * (ends[0] - middles[0]))
+
+
+def test_pixels_of_a_finer_camera_are_parts_of_those_of_the_camera():
+    camera = Camera.looking(axes_of(30.0, 40.0), CUBE, 200)
+    points = np.array([[0.3, 0.2, 0.1], [-1.0, 0.5, 0.7]])
+    inside = (camera.finer(3).project(points)[:, :2] - 1) / 3
+    assert inside == pytest.approx(camera.project(points)[:, :2])

@@ -35,6 +35,36 @@ def wrapped(positions: Floats, box: Box) -> Floats:
     return inside
 
 
+def images(points: Floats, box: Box, reach: Floats | float) -> tuple[Floats, Ints]:
+    """Points in the box and their periodic images near it.
+
+    Parameters
+    ----------
+    points : (n, 2 or 3) array
+        With x in [0, L_x] and y in [0, L_y].
+    box : (L_x, L_y)
+    reach : float or (n,) array
+        Largest distance in x or y of an image from the box.
+
+    Returns
+    -------
+    places : (k, 2 or 3) array
+    index : (k,) array of int
+        Of the point of each.
+    """
+    sides = np.asarray(box, float)[:2]
+    near = np.broadcast_to(reach, len(points))[:, None]
+    places, index = [], []
+    for image in np.ndindex(3, 3):
+        place = np.array(points, float)
+        place[:, :2] += (np.array(image) - 1) * sides
+        here = ((place[:, :2] > -near) & (place[:, :2] < sides + near)).all(axis=1)
+        here |= image == (1, 1)
+        places.append(place[here])
+        index.append(np.flatnonzero(here))
+    return np.concatenate(places), np.concatenate(index)
+
+
 def periodic_tree(points: Floats, box: Box) -> cKDTree:
     """Search tree of points (n, 2 or 3), periodic in x and y."""
     from scipy.spatial import cKDTree

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TypeAlias
 
@@ -14,7 +15,11 @@ from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import FigureError
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
+from lammps_skin.trajectory.clones import clones
+from lammps_skin.trajectory.dump import Dump
+from lammps_skin.trajectory.frame import Frame
 from lammps_skin.trajectory.frames import nearest_frame, open_frames
+from lammps_skin.trajectory.store import Store
 
 Source: TypeAlias = str | Path | MDAnalysis.Universe
 
@@ -31,6 +36,14 @@ class Moment:
     positions : (n, 3) array
     triangles : (t, 3) array of int
         Of the membrane, as indices of its particles, counterclockwise seen from the cells.
+    heights : (low, high)
+        Of the membrane and, whole, the cells of the first and the last frame of the run: what its
+        pictures hold, so that they are alike.
+    ids : (n,) array of int
+    state : mapping of (n,) arrays
+        Of cells, by the names in `trajectory.frame.CELL_STATE`.
+    frames : Store or Dump
+        The run.
     """
 
     scene: Scene
@@ -38,6 +51,10 @@ class Moment:
     kinds: Ints
     positions: Floats
     triangles: Ints
+    heights: tuple[float, float]
+    ids: Ints
+    state: Mapping[str, Ints | Floats]
+    frames: Store | Dump
 
     def of(self, *kinds: Kind) -> Floats:
         """Positions (k, 3) of the particles of some kinds."""
@@ -52,6 +69,20 @@ class Moment:
     def membrane(self) -> Floats:
         """Positions (m, 3) of the membrane."""
         return self.of(Kind.MEMBRANE)
+
+    @property
+    def founders(self) -> Ints:
+        """The founder (n,) of each cell; 0 of other particles."""
+        return _founders(self.frames)[self.ids - 1]
+
+    def shifted(self, shift: Sequence[float]) -> Moment:
+        """The same with all particles moved in x and y, across the sides of the periodic box."""
+        return replace(self, positions=self.positions + np.array([*shift, 0.0]))
+
+
+@lru_cache(maxsize=1)
+def _founders(frames: Store | Dump) -> Ints:
+    return clones(frames)
 
 
 def read_moments(source: Source, times: Sequence[float | None]) -> list[Moment]:
@@ -77,6 +108,7 @@ def read_moments(source: Source, times: Sequence[float | None]) -> list[Moment]:
         source = source.trajectory.filename
     frames = open_frames(source)
     scene = frames.scene
+    heights = _heights(scene, frames[0], frames[len(frames) - 1])
     moments = []
     for time in times:
         frame = frames[nearest_frame(frames, time)]
@@ -85,10 +117,33 @@ def read_moments(source: Source, times: Sequence[float | None]) -> list[Moment]:
             raise FigureError(
                 f"time = {time:g}: the nearest frame of {frames.path} is at {frame.time:g}"
             )
-        members = frame.ids[frame.kinds == Kind.MEMBRANE]
-        triangles = np.searchsorted(members, frames.triangles)
-        moments.append(Moment(scene, frame.time, frame.kinds, frame.positions, triangles))
+        moments.append(_moment(frames, frame, heights))
     return moments
+
+
+def all_moments(source: Source, every: int = 1) -> Iterator[Moment]:
+    """The frames of a run one after the other, or each of so many."""
+    frames = open_frames(source)
+    heights = _heights(frames.scene, frames[0], frames[len(frames) - 1])
+    return (_moment(frames, frames[n], heights) for n in range(0, len(frames), every))
+
+
+def _moment(frames: Store | Dump, frame: Frame, heights: tuple[float, float]) -> Moment:
+    members = frame.ids[frame.kinds == Kind.MEMBRANE]
+    triangles = np.searchsorted(members, frames.triangles)
+    return Moment(
+        frames.scene, frame.time, frame.kinds, frame.positions, triangles, heights, frame.ids,
+        frame.state, frames,
+    )  # fmt: skip
+
+
+def _heights(scene: Scene, *frames: Frame) -> tuple[float, float]:
+    """Lowest and highest place of membrane and cells, and a radius of a cell on both sides."""
+    low, high = np.inf, -np.inf
+    for frame in frames:
+        z = frame.positions[frame.kinds != Kind.DERMAL, 2]
+        low, high = min(low, z.min()), max(high, z.max())
+    return float(low - scene.cells.radius), float(high + 2 * scene.cells.radius)
 
 
 def last_time(path: Path) -> float:

@@ -1,255 +1,178 @@
 """Pictures of surfaces and spheres, drawn in numpy: no display, no graphics library.
 
 The projection is parallel. A depth buffer finds what is in front; a light from the upper left
-with shadows, and darker hollows, give the eye the third dimension.
+with shadows, and darker hollows, give the eye the third dimension. What is drawn may be cut by the
+sides of a box; a sphere that a side cuts is closed there by a flat face.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
-from scipy.ndimage import gaussian_filter
 
-from lammps_skin.arrays import Floats, Ints
+from lammps_skin.arrays import Floats
+from lammps_skin.figures.camera import Camera
+from lammps_skin.figures.raster import NOTHING, Canvas, Thing
 
 OVERSAMPLING = 2  # pixels drawn for each of the picture, along a side
 LIGHT = np.array([-0.50, 0.42, 0.75])  # towards it: right, up (away from the plane), viewer
 AMBIENT, DIFFUSE, SHINE = 0.50, 0.60, 0.10
+GLOSS = 5  # halvings of the size of a highlight
 DEEPEST_SHADOW = 0.75  # of the diffuse light that it takes away
-MARGIN = 0.02  # of the picture, on every side
-PIXELS_AT_ONCE = 4_000_000
+ROWS_AT_ONCE = 32 * OVERSAMPLING  # lit together: what they need fits into a cache
+HOLLOW_BLOCKS = 3  # for each distance within which hollows are looked for
+SPARSE = 8  # pixels of which one tells where a shadow may fall
 
-
-class Surface(NamedTuple):
-    """Triangles with smooth shading.
-
-    Attributes
-    ----------
-    corners : (t, 3, 3) array
-        Positions of the three corners of each.
-    normals : (t, 3, 3) array
-        Unit normals there; the side that is seen is lit, whichever it is.
-    colour : (3,) array
-        Red, green and blue, 0 to 1.
-    """
-
-    corners: Floats
-    normals: Floats
-    colour: Floats
-
-
-class Spheres(NamedTuple):
-    """Spheres: centers (n, 3), radii (n,) and colours (n, 3)."""
-
-    centers: Floats
-    radii: Floats
-    colours: Floats
-
-
-@dataclass(frozen=True)
-class Camera:
-    """A parallel projection to a picture of (height, width) pixels.
-
-    Attributes
-    ----------
-    axes : (3, 3) array
-        Unit vectors in rows: right, up, towards the viewer.
-    origin : (2,) array
-        Right and up of the lower left corner of the picture, length.
-    scale : float
-        Pixels per length.
-    shape : (height, width)
-    """
-
-    axes: Floats
-    origin: Floats
-    scale: float
-    shape: tuple[int, int]
-
-    @classmethod
-    def looking(cls, axes: Floats, points: Floats, width: int) -> Camera:
-        """Camera whose picture is filled by points (n, 3)."""
-        seen = points @ axes[:2].T
-        low, high = seen.min(axis=0), seen.max(axis=0)
-        margin = MARGIN * (high - low).max()
-        scale = width / (high[0] - low[0] + 2 * margin)
-        height = int(np.ceil((high[1] - low[1] + 2 * margin) * scale))
-        return cls(axes, low - margin, scale, (height, width))
-
-    def project(self, points: Floats) -> Floats:
-        """Column, row from below, and nearness of points (..., 3), in pixels."""
-        seen = points @ self.axes.T
-        seen[..., :2] -= self.origin
-        return np.asarray(seen * self.scale)
-
-
-def axes_of(azimuth: float, elevation: float) -> Floats:
-    """Axes of a camera that stands at an azimuth from x and above the plane, in degrees."""
-    a, e = np.deg2rad([azimuth, elevation])
-    toward = np.array([np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)])
-    right = np.array([-np.sin(a), np.cos(a), 0.0])
-    return np.stack([right, np.cross(toward, right), toward])
-
-
-class Canvas:
-    """What is nearest to the viewer in each pixel: its nearness, normal and colour."""
-
-    def __init__(self, camera: Camera) -> None:
-        self.camera = camera
-        pixels = camera.shape[0] * camera.shape[1]
-        self.depth = np.full(pixels, -np.inf)
-        self.normal = np.zeros((pixels, 3))
-        self.colour = np.ones((pixels, 3))
-
-    def draw(self, *things: Surface | Spheres) -> None:
-        """Draw what is nearer than all that was drawn before."""
-        for thing in things:
-            if isinstance(thing, Surface):
-                self._draw_surface(thing)
-            else:
-                self._draw_spheres(thing)
-
-    def _draw_surface(self, surface: Surface) -> None:
-        corners = self.camera.project(surface.corners)
-        a = corners[:, 0]
-        ab, ac = corners[:, 1] - a, corners[:, 2] - a
-        flat = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
-        flat[flat == 0.0] = np.nan
-        for item, place in self._boxes(corners.min(axis=1), corners.max(axis=1)):
-            to_place = place - a[item, :2]
-            u = (to_place[:, 0] * ac[item, 1] - to_place[:, 1] * ac[item, 0]) / flat[item]
-            v = (ab[item, 0] * to_place[:, 1] - ab[item, 1] * to_place[:, 0]) / flat[item]
-            inside = np.flatnonzero((u >= 0) & (v >= 0) & (u + v <= 1))
-            item, place, u, v = item[inside], place[inside], u[inside], v[inside]
-            depth = a[item, 2] + u * ab[item, 2] + v * ac[item, 2]
-            pixel, front = self._in_front(place, depth)
-            weights = np.stack([1 - u - v, u, v], axis=1)[front]
-            normal = np.einsum("nc,ncd->nd", weights, surface.normals[item[front]])
-            self.normal[pixel] = normal @ self.camera.axes.T
-            self.colour[pixel] = surface.colour
-
-    def _draw_spheres(self, spheres: Spheres) -> None:
-        centers, radii = self.camera.project(spheres.centers), spheres.radii * self.camera.scale
-        low, high = centers - radii[:, None], centers + radii[:, None]
-        for item, place in self._boxes(low, high):
-            across = place - centers[item, :2]
-            rest = radii[item] ** 2 - (across**2).sum(axis=1)
-            inside = np.flatnonzero(rest >= 0)
-            item, across, place = item[inside], across[inside], place[inside]
-            toward = np.sqrt(rest[inside])
-            pixel, front = self._in_front(place, centers[item, 2] + toward)
-            normal = np.column_stack([across, toward]) / radii[item, None]
-            self.normal[pixel] = normal[front]
-            self.colour[pixel] = spheres.colours[item[front]]
-
-    def _boxes(self, low: Floats, high: Floats) -> Iterator[tuple[Ints, Ints]]:
-        """Pixels (k, 2) in the rectangle of each item, and the number (k,) of the item."""
-        most = np.array(self.camera.shape[::-1]) - 1
-        first = np.maximum(np.ceil(low[:, :2]), 0).astype(np.int64)
-        last = np.minimum(np.floor(high[:, :2]), most).astype(np.int64)
-        wide, tall = np.maximum(last - first + 1, 0).T
-        count = wide * tall
-        portion = np.cumsum(count) // PIXELS_AT_ONCE
-        for n in np.unique(portion):
-            items = np.flatnonzero(portion == n)
-            item = np.repeat(items, count[items])
-            start = np.repeat(np.cumsum(count[items]) - count[items], count[items])
-            offset = np.divmod(np.arange(len(item)) - start, tall[item])
-            yield item, first[item] + np.stack(offset, axis=1)
-
-    def _in_front(self, place: Ints, depth: Floats) -> tuple[Ints, Ints]:
-        """Pixels whose nearest is among these places (k, 2), and which of them it is."""
-        pixel = place[:, 1] * self.camera.shape[1] + place[:, 0]
-        np.maximum.at(self.depth, pixel, depth)
-        front = np.flatnonzero(self.depth[pixel] == depth)
-        return pixel[front], front
-
-    def places(self) -> Floats:
-        """Positions (k, 3) in space of what is seen in the pixels that are not empty."""
-        row, column = np.divmod(np.flatnonzero(np.isfinite(self.depth)), self.camera.shape[1])
-        depth = self.depth[np.isfinite(self.depth)]
-        seen = np.column_stack([column, row, depth]) / self.camera.scale
-        seen[:, :2] += self.camera.origin
-        return np.asarray(seen @ self.camera.axes)
-
-    def hollow(self, distance: float) -> Floats:
-        """How far each pixel lies behind its surroundings within a distance, in distances."""
-        depth = self.depth.reshape(self.camera.shape)
-        seen = np.isfinite(depth)
-        reach = distance * self.camera.scale
-        weight = gaussian_filter(seen.astype(float), reach, truncate=2)
-        mean = gaussian_filter(np.where(seen, depth, 0.0), reach, truncate=2)
-        mean /= np.maximum(weight, 1e-9)
-        behind = np.where(seen, mean - np.where(seen, depth, 0.0), 0.0) / reach
-        return np.asarray(np.maximum(behind, 0.0).ravel())
+# Where the shadow of a pixel is looked for: each of the 2 x 2 pixels that are drawn for one of the
+# picture looks at two of the eight places around it.
+AROUND = np.array(
+    [[[(-1, -1), (1, 0)], [(0, -1), (-1, 1)]], [[(1, -1), (0, 1)], [(-1, 0), (1, 1)]]], np.float32
+)
 
 
 def picture(
-    things: list[Surface | Spheres], frame: Floats, azimuth: float, elevation: float, width: int,
-    roughness: float,
-) -> Floats:  # fmt: skip
+    things: Sequence[Thing], camera: Camera, roughness: float, sides: Sequence[float] | None = None
+) -> Floats:
     """Picture of lit surfaces and spheres on white.
 
     Parameters
     ----------
-    things : list of Surface and Spheres
-    frame : (n, 3) array
-        Points that the picture is to hold.
-    azimuth, elevation : float
-        Where the viewer stands: angle from x in the plane, and above it; degrees.
-    width : int
-        Pixels of the picture; the height follows.
+    things : sequence of Surface and Spheres
+    camera : Camera
+        Of the picture.
     roughness : float
         Size of the hollows that are to be dark, length.
+    sides : (L_x, L_y), optional
+        What lies outside of 0 to L_x and 0 to L_y is cut off.
 
     Returns
     -------
     (height, width, 3) array
         Red, green and blue, 0 to 1; the top row first.
     """
-    axes = axes_of(azimuth, elevation)
-    canvas = Canvas(Camera.looking(axes, frame, OVERSAMPLING * width))
-    canvas.draw(*things)
-    seen = np.isfinite(canvas.depth)
-
-    normal = canvas.normal[seen]
-    normal *= np.where(normal[:, 2:] < 0, -1, 1) / np.linalg.norm(normal, axis=1, keepdims=True)
-    light = LIGHT * [1, np.sign(elevation), 1] / np.linalg.norm(LIGHT)
+    canvas = Canvas(camera.finer(OVERSAMPLING), things, sides)
+    image = np.ones((*camera.shape, 3), np.float32)
+    if (canvas.owner == NOTHING).all():
+        return np.asarray(image, np.float64)
+    light = LIGHT * [1, 1 if camera.axes[2, 2] >= 0 else -1, 1] / np.linalg.norm(LIGHT)
     halfway = light + np.array([0, 0, 1])
     halfway /= np.linalg.norm(halfway)
-    lit = 1 - DEEPEST_SHADOW * _shadow(canvas, things, light @ axes, roughness)
-    bright = AMBIENT * np.exp(-0.8 * canvas.hollow(roughness)[seen])
-    bright += DIFFUSE * np.maximum(normal @ light, 0.0) * lit
-    shine = SHINE * np.maximum(normal @ halfway, 0.0) ** 30 * lit
+    shadow = Shadow(canvas, things, light, roughness, sides)
+    hollows = hollow(canvas.depth, roughness * canvas.camera.scale)
 
-    image = np.ones((len(canvas.depth), 3))
-    image[seen] = np.clip(canvas.colour[seen] * bright[:, None] + shine[:, None], 0, 1)
-    rows, columns = (side // OVERSAMPLING for side in canvas.camera.shape)
-    full = image.reshape(*canvas.camera.shape, 3)[: rows * OVERSAMPLING, : columns * OVERSAMPLING]
-    blocks = full.reshape(rows, OVERSAMPLING, columns, OVERSAMPLING, 3)
-    return np.asarray(blocks.mean(axis=(1, 3))[::-1])
+    for start in range(0, len(canvas.owner), ROWS_AT_ONCE):
+        rows = slice(start, min(start + ROWS_AT_ONCE, len(canvas.owner)))
+        normal, colour = canvas.looks(rows)
+        normal /= np.sqrt((normal**2).sum(axis=0)) * np.where(normal[2] < 0, -1, 1) + 1e-9
+        lit = 1 - DEEPEST_SHADOW * shadow.of(rows)
+        toward_light, shine = (
+            np.maximum(np.tensordot(way.astype(np.float32), normal, 1), 0.0)
+            for way in (light, halfway)
+        )
+        for _ in range(GLOSS):
+            shine *= shine
+        bright = AMBIENT * np.exp(-0.8 * hollows[rows]) + DIFFUSE * toward_light * lit
+        shown = np.clip(colour * bright + SHINE * shine * lit, 0, 1)
+        shown[:, canvas.owner[rows] == NOTHING] = 1.0
+        blocks = shown.reshape(3, -1, OVERSAMPLING, camera.shape[1], OVERSAMPLING)
+        part = slice(rows.start // OVERSAMPLING, rows.stop // OVERSAMPLING)
+        image[part] = blocks.mean(axis=(2, 4)).transpose(1, 2, 0)
+    return np.asarray(image[::-1], np.float64)
 
 
-def _shadow(
-    canvas: Canvas, things: list[Surface | Spheres], light: Floats, roughness: float
-) -> Floats:
-    """How much of the light is kept from each pixel that is not empty, with soft edges."""
-    across = np.cross([0.0, 0.0, 1.0], light)
-    across /= np.linalg.norm(across)
-    axes = np.stack([across, np.cross(light, across), light])
-    places = canvas.places()
-    camera = Camera.looking(axes, places, canvas.camera.shape[1] // OVERSAMPLING)
-    from_light = Canvas(camera)
-    from_light.draw(*things)
-    seen = camera.project(places)
-    covered = seen[:, 2] + 0.25 * roughness * camera.scale
-    softness = 0.12 * roughness * camera.scale
-    shade = np.zeros(len(places))
-    for offset in np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(-1, 2):
-        place = np.round(seen[:, :2] + softness * offset).astype(np.int64)
-        column, row = np.clip(place, 0, np.array(camera.shape[::-1]) - 1).T
-        shade += from_light.depth[row * camera.shape[1] + column] > covered
-    return shade / 9
+class Shadow:
+    """What the light does not reach: a depth buffer as the light sees it.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        What the viewer sees.
+    things : sequence of Surface and Spheres
+    light : (3,) array
+        Unit vector towards the light, as the camera sees it.
+    roughness : float
+    sides : (L_x, L_y) or None
+    """
+
+    def __init__(
+        self, canvas: Canvas, things: Sequence[Thing], light: Floats, roughness: float,
+        sides: Sequence[float] | None,
+    ) -> None:  # fmt: skip
+        toward = light @ canvas.camera.axes
+        across = np.cross([0.0, 0.0, 1.0], toward)
+        across /= np.linalg.norm(across)
+        axes = np.stack([across, np.cross(toward, across), toward])
+        width = canvas.camera.shape[1] // OVERSAMPLING
+        self.canvas = canvas
+        places, around = canvas.places(SPARSE), SPARSE / canvas.camera.scale
+        corners = np.concatenate([places - around, places + around])
+        self.camera = Camera.looking(axes, corners, width)
+        self.nearest = Canvas(self.camera, things, sides).depth.astype(np.float32)
+        self.clearance = 0.25 * roughness * self.camera.scale
+        offsets = 0.12 * roughness * self.camera.scale * AROUND
+        tiles = ROWS_AT_ONCE // OVERSAMPLING, width, 1, 1
+        self.offsets = np.tile(offsets, tiles).transpose(2, 3, 0, 1)
+
+    def of(self, rows: slice) -> Floats:
+        """How much of the light is kept from each pixel of some rows, with soft edges."""
+        depth = self.canvas.depth[rows]
+        row, column = np.ogrid[rows, : depth.shape[1]]
+        places = column, row, np.where(depth > -np.inf, depth, 0.0)
+        seen = self.canvas.camera
+        turn = self.camera.axes @ seen.axes.T * self.camera.scale / seen.scale
+        start = self.camera.scale * (
+            self.camera.axes @ seen.axes[:2].T @ seen.origin - [*self.camera.origin, 0.0]
+        )
+        x, y, nearness = (
+            sum((turn[k, a] * places[a] for a in range(3)), start[k]).astype(np.float32)
+            for k in range(3)
+        )
+        nearness += self.clearance
+        shade = np.zeros(depth.shape, np.float32)
+        high, wide = self.camera.shape
+        for right, up in self.offsets[..., : len(depth), :]:
+            column = np.clip(np.rint(x + right), 0, wide - 1).astype(np.int32)
+            row = np.clip(np.rint(y + up), 0, high - 1).astype(np.int32)
+            shade += self.nearest[row, column] > nearness
+        return shade / len(self.offsets)
+
+
+def hollow(depth: Floats, reach: float) -> Floats:
+    """How far each pixel lies behind its surroundings.
+
+    Parameters
+    ----------
+    depth : (h, w) array
+        Nearness in pixels, minus infinity where nothing is.
+    reach : float
+        Standard deviation in pixels of the Gaussian weights of the surroundings.
+
+    Returns
+    -------
+    (h, w) array
+        In units of the reach, 0 where the surroundings are not nearer.
+    """
+    size = max(1, int(reach / HOLLOW_BLOCKS))
+    seen = depth > -np.inf
+    starts = [np.arange(0, side, size) for side in depth.shape]
+    nearness, number = (
+        np.add.reduceat(np.add.reduceat(values, starts[0], axis=0), starts[1], axis=1)
+        for values in (np.where(seen, depth, 0.0), seen.astype(float))
+    )
+    down, along = (
+        _gaussian(np.arange(side)[:, None] - (start + (size - 1) / 2), reach)
+        for side, start in zip(depth.shape, starts, strict=True)
+    )
+    mean, weight = (
+        (down @ blocks).astype(np.float32) @ along.T.astype(np.float32)
+        for blocks in (nearness, number)
+    )
+    mean /= np.maximum(weight, 1e-9)
+    return np.asarray(np.maximum(np.where(seen, mean - depth, 0.0), 0.0) / reach, np.float64)
+
+
+def _gaussian(distance: Floats, reach: float) -> Floats:
+    """Weights at distances, none beyond twice the reach."""
+    weights = np.exp(-0.5 * (distance / reach) ** 2)
+    return np.asarray(np.where(np.abs(distance) <= 2 * reach, weights, 0.0))

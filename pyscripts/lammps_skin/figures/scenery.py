@@ -6,17 +6,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lammps_skin.analysis.geometry import minimum_image, wrapped
+from lammps_skin.analysis.geometry import images, minimum_image, wrapped
 from lammps_skin.arrays import Floats
+from lammps_skin.figures.camera import Camera, axes_of
+from lammps_skin.figures.look import Look
 from lammps_skin.figures.moments import Moment
-from lammps_skin.figures.render import Spheres, Surface, picture
-from lammps_skin.kinds import Kind
+from lammps_skin.figures.raster import Spheres, Surface
+from lammps_skin.figures.render import picture
+from lammps_skin.kinds import Kind, is_cell
 
-AZIMUTH, ABOVE, BELOW = -62.0, 42.0, -42.0  # degrees: where the viewer stands
+ABOVE = 42.0  # degrees: where the viewer stands, or as far below
 
 
-def membrane_surface(moment: Moment) -> Surface:
-    """The membrane in one box, cut off straight at its sides, with smooth normals."""
+def membrane_surface(moment: Moment, look: Look) -> Surface:
+    """The membrane with smooth normals: all triangles that reach into the box."""
     membrane, triangles = moment.membrane, moment.triangles
     a = wrapped(membrane[triangles[:, 0]], moment.box)
     edges = [membrane[triangles[:, n]] - membrane[triangles[:, 0]] for n in (1, 2)]
@@ -24,28 +27,37 @@ def membrane_surface(moment: Moment) -> Surface:
     normals = np.zeros_like(membrane)
     np.add.at(normals, triangles, np.cross(ab, ac)[:, None])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    colours = look.of_membrane(moment)
+    if colours is None:
+        colours = np.broadcast_to(Kind.MEMBRANE.colour, membrane.shape)
 
-    corners, of = [], []
-    sides = np.array([*moment.box, np.inf])
-    for i, j in np.ndindex(3, 3):
-        image = np.stack([a, a + ab, a + ac], axis=1)
-        image[..., :2] += (np.array([i, j]) - 1) * sides[:2]
-        inside = ((image.max(axis=1) > 0) & (image.min(axis=1) < sides))[:, :2].all(axis=1)
-        corners.append(np.clip(image[inside], [0, 0, -np.inf], sides))
-        of.append(normals[triangles[inside]])
-    return Surface(np.concatenate(corners), np.concatenate(of), np.array(Kind.MEMBRANE.colour))
+    reach = np.abs([ab, ac])[..., :2].max(axis=(0, 2))
+    first, index = images(a, moment.box, reach)
+    corners = np.stack([first, first + ab[index], first + ac[index]], axis=1)
+    return Surface(corners, normals[triangles[index]], colours[triangles[index]])
 
 
-def cell_spheres(moment: Moment, show: Sequence[Kind]) -> Spheres:
-    """The cells of some kinds in one box, at their radius R_c."""
-    chosen = np.isin(moment.kinds, show)
-    centers = wrapped(moment.positions[chosen], moment.box)
-    kinds = moment.kinds[chosen].tolist()
-    colours = np.array([moment.scene.kind(kind).colour for kind in kinds]).reshape(-1, 3)
-    return Spheres(centers, np.full(len(centers), moment.scene.cells.radius), colours)
+def cell_spheres(moment: Moment, show: Sequence[Kind], look: Look) -> Spheres:
+    """The cells of some kinds that reach into the box, at their radius R_c."""
+    cells = is_cell(moment.kinds)
+    chosen = np.isin(moment.kinds[cells], show)
+    radius = moment.scene.cells.radius
+    centers = wrapped(moment.positions[cells][chosen], moment.box)
+    places, index = images(centers, moment.box, radius)
+    return Spheres(places, np.full(len(places), radius), look.of_cells(moment)[chosen][index])
 
 
-def view(moment: Moment, show: Sequence[Kind], width: int, below: bool = False) -> Floats:
+def camera_of(moment: Moment, look: Look, below: bool = False) -> Camera:
+    """The camera of all pictures of a run that look alike, from above or from the dermis."""
+    elevation = look.elevation
+    if elevation is None:
+        elevation = -ABOVE if below else ABOVE
+    (wide, deep), (low, high) = moment.box, moment.heights
+    corners = np.stack(np.meshgrid([0, wide], [0, deep], [low, high]), axis=-1).reshape(-1, 3)
+    return Camera.looking(axes_of(look.azimuth, elevation), corners, look.size, look.zoom)
+
+
+def view(moment: Moment, show: Sequence[Kind], look: Look, below: bool = False) -> Floats:
     """Picture (height, width, 3) of a moment, from above or from the dermis below it.
 
     Parameters
@@ -53,22 +65,11 @@ def view(moment: Moment, show: Sequence[Kind], width: int, below: bool = False) 
     moment : Moment
     show : sequence of Kind
         Kinds of cells to draw.
-    width : int
-        Pixels.
+    look : Look
     below : bool
         Whether the viewer stands in the dermis, which is not drawn.
     """
-    surface, spheres = membrane_surface(moment), cell_spheres(moment, show)
-    frame = _frame(moment, spheres)
-    elevation = BELOW if below else ABOVE
-    things: list[Surface | Spheres] = [surface, spheres]
-    return picture(things, frame, AZIMUTH, elevation, width, moment.scene.cells.radius)
-
-
-def _frame(moment: Moment, spheres: Spheres) -> Floats:
-    """Corners (8, 3) of a box that holds the membrane and, whole, the cells that are drawn."""
-    reach = spheres.radii[:, None]
-    around = np.concatenate([moment.membrane, spheres.centers - reach, spheres.centers + reach])
-    low, high = around.min(axis=0), around.max(axis=0)
-    low[:2], high[:2] = np.minimum(low[:2], 0.0), np.maximum(high[:2], moment.box[:2])
-    return np.stack(np.meshgrid(*zip(low, high, strict=True)), axis=-1).reshape(-1, 3)
+    shifted = moment.shifted(look.shift)
+    things = membrane_surface(shifted, look), cell_spheres(shifted, show, look)
+    camera = camera_of(moment, look, below)
+    return picture(things, camera, moment.scene.cells.radius, moment.box)
