@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 
 SHOWN = {
     "coverage": "coverage",
-    "none_below": "basal layer: cells with none below",
+    "none_below": "none below (basal layer)",
     "chi_H": "chi_H of stem cells",
     "zeta": "zeta of stem cells",
 }
-BARS, WIDTH = "▁▂▃▄▅▆▇█", 40
+BARS, WIDTH = "▁▂▃▄▅▆▇█", 36  # with titles and numbers in 80 columns
 
 
 def watch(
