@@ -65,20 +65,14 @@ def pack_dermis(scene: Scene, membrane: Floats) -> Floats:
     is_flat = not np.ptp(membrane[:, 2])
     is_cubic = scene.dermis.packing == "cubic"
     count = dermal_count(scene, None if is_flat else membrane)
-    first = _cubic(scene, membrane) if is_cubic else _drawn(scene, membrane, count)
-    lx, ly, _ = scene.box_sides
+    spheres = _cubic(scene, membrane) if is_cubic else _drawn(scene, membrane, count)
+    if not (is_cubic and is_flat):
+        sheet = membrane[:0] if is_flat else membrane  # a wall is cheaper
+        spheres = _minimized(scene, spheres, sheet, _pushing_apart(scene, is_flat))
     with tempfile.TemporaryDirectory() as folder:
-        engine = open_lammps(["-log", "none"])
-        try:
-            _set_up(engine, scene, first, membrane)
-            if not (is_cubic and is_flat):
-                _push_apart(engine, scene, is_flat)
-            _relax(engine, scene, Path(folder))
-            positions = np.array(engine.gather_atoms("x", 1, 3)).reshape(-1, 3)[:count]
-        finally:
-            engine.close()
-    positions[:, :2] %= [lx, ly]
-    return np.asarray(positions)
+        spheres = _minimized(scene, spheres, membrane, _relaxing(scene, Path(folder)))
+    spheres[:, :2] %= scene.box_sides[:2]
+    return spheres
 
 
 def _columns(scene: Scene) -> tuple[int, int]:
@@ -132,6 +126,18 @@ def _drawn(scene: Scene, membrane: Floats, count: int) -> Floats:
     )
 
 
+def _minimized(scene: Scene, dermis: Floats, membrane: Floats, commands: str) -> Floats:
+    """Centres (n, 3) of the spheres after commands of LAMMPS, under a membrane that is held."""
+    engine = open_lammps(["-log", "none"])
+    try:
+        _set_up(engine, scene, dermis, membrane)
+        engine.commands_string(commands)
+        positions = np.array(engine.gather_atoms("x", 1, 3)).reshape(-1, 3)
+    finally:
+        engine.close()
+    return np.asarray(positions[: len(dermis)])
+
+
 def _set_up(engine: Any, scene: Scene, dermis: Floats, membrane: Floats) -> None:
     lx, ly, lz = scene.box_sides
     engine.commands_string(f"""
@@ -156,7 +162,7 @@ def _set_up(engine: Any, scene: Scene, dermis: Floats, membrane: Floats) -> None
     """)
 
 
-def _push_apart(engine: Any, scene: Scene, is_flat: bool) -> None:
+def _pushing_apart(scene: Scene, is_flat: bool) -> str:
     """Soft repulsion of overlapping spheres between two harmonic walls.
 
     Under a membrane that is not flat, its particles push instead of the upper wall.
@@ -177,7 +183,7 @@ def _push_apart(engine: Any, scene: Scene, is_flat: bool) -> None:
         top = scene.membrane_height - scene.membrane.radius
         walls += f" zhi {top:.17g} 1 1 {dermis.radius:.17g}"
         above = none
-    engine.commands_string(f"""
+    return f"""
         pair_style {style}
         pair_coeff 1 1 {stiffness} {reach}
         pair_coeff 1 2 {above}
@@ -186,12 +192,11 @@ def _push_apart(engine: Any, scene: Scene, is_flat: bool) -> None:
         min_style cg
         min_modify norm max
         minimize 0 1e-3 500 5000
-        unfix walls
-    """)
+    """
 
 
-def _relax(engine: Any, scene: Scene, folder: Path) -> None:
-    """The scene's own dermal forces."""
+def _relaxing(scene: Scene, folder: Path) -> str:
+    """The scene's own dermal forces, with tables in a folder."""
     terms = Terms.of(scene)
     pairs = {term.name: term for term in terms.pairs}
     between, above = pairs["dermis_dermis"], pairs["dermis_membrane"]
@@ -205,7 +210,7 @@ def _relax(engine: Any, scene: Scene, folder: Path) -> None:
         return f"{folder}/{term.coefficients}" if term.table else str(term.coefficients)
 
     name, other = between.style.split()[0], above.style.split()[0]
-    engine.commands_string(f"""
+    return f"""
         pair_style hybrid {between.style} {above.style}
         pair_coeff 1 1 {name} {first} {coefficients(between)}
         pair_coeff 1 2 {other} {second} {coefficients(above)}
@@ -215,4 +220,4 @@ def _relax(engine: Any, scene: Scene, folder: Path) -> None:
         min_modify norm max
         timestep 0.05
         minimize 0 {FORCE_TOLERANCE} 1000 100000
-    """)
+    """
