@@ -12,6 +12,7 @@ import pytest
 from lammps_skin.kinds import is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.report.page import report
+from lammps_skin.run.simulation import Simulation
 from lammps_skin.trajectory.store import Store
 
 from tests.report.browser import Browser
@@ -163,4 +164,15 @@ def test_two_runs_side_by_side(browser: Browser, run: Path, tmp_path: Path) -> N
     browser.choose("slider", "0")
     assert browser.value("page.views.map((view) => view.drawn)") == [1, 1]
     assert "3 of 6 frames" in browser.value("document.getElementById('warnings').textContent")
+    assert browser.errors == []
+
+
+def test_a_membrane_alone(browser: Browser, tmp_path: Path) -> None:
+    scene = Scene.load("bare-membrane").replace(end_time=1.0, **{"membrane.lattice": [12, 14]})
+    with Simulation.begin(scene, tmp_path / "bare") as simulation:
+        simulation.run()
+    browser.errors.clear()
+    browser.open(report([tmp_path / "bare"], tmp_path / "bare.html").as_uri())
+    assert browser.value("page.views[0].drawn") == 0
+    assert drawn(pixels(browser)) > 0.1
     assert browser.errors == []

@@ -18,7 +18,10 @@ from lammps_skin.report.page import page, report
 from lammps_skin.report.pictures import surface
 from lammps_skin.report.record import MOST_FRAMES, MOST_POINTS, chosen, fitting, record
 from lammps_skin.report.words import titles
+from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import lattice
+from lammps_skin.trajectory.dump import write_dump
+from lammps_skin.trajectory.store import Store
 
 
 def unpacked(packed: bytes) -> dict[str, np.ndarray]:
@@ -146,3 +149,31 @@ def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, run: Path, tm
     monkeypatch.setattr(library, "PACKAGE", "no-such-package")
     with pytest.raises(SkinError, match=r"three\.js: needs .*lammps-skin\[report\]"):
         report([run], tmp_path / "report.html")
+
+
+def test_a_dump_gives_the_same(run: Path, tmp_path: Path) -> None:
+    """Of a plain `lmp` run, whose frames have six digits."""
+    for path in run.iterdir():
+        if path.suffix not in (".h5", ".restart"):
+            (tmp_path / path.name).symlink_to(path)
+    store = Store(run / "skin.h5")
+    write_dump(tmp_path / "skin.dump", store, store.scene.kinds)
+    ours, theirs = record(run), record(tmp_path)
+    for name, values in unpacked(ours.packed).items():
+        other = unpacked(theirs.packed)[name]
+        assert other == pytest.approx(values, rel=1e-4, abs=3, nan_ok=True), name
+    assert theirs.told["frames"] == ours.told["frames"]
+    assert theirs.told["kinds"] == ours.told["kinds"]
+
+
+def test_interventions_are_told(tmp_path: Path) -> None:
+    scene = Scene.from_dict({
+        "end_time": 2.0, "dermis": {"present": False}, "membrane": {"lattice": [24, 28]},
+        "cells": {"stem": 2, "arrangement": "cluster"}, "output": {"dump_interval": 1.0},
+        "interventions": [{"name": "cull", "at": 1.0, "remove": ["stem"]}],
+    })  # fmt: skip
+    with Simulation.begin(scene, tmp_path) as simulation:
+        simulation.run()
+    told = record(tmp_path).told
+    assert told["events"]["interventions"] == {"cull": "2 removed"}
+    assert told["event_names"] == {"kind": ["removal"], "cause": ["cull"]}

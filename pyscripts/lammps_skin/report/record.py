@@ -22,6 +22,7 @@ from lammps_skin.model.scene_keys import merged, shown
 from lammps_skin.report.packing import pack
 from lammps_skin.report.pictures import STEADY, Pictures, arrays, surface
 from lammps_skin.report.words import titles, warnings
+from lammps_skin.trajectory.store import Store
 from lammps_skin.versions import versions
 
 MOST_FRAMES, MOST_POINTS = 101, 2_500_000  # drawn; points are those of the membrane in all frames
@@ -63,7 +64,8 @@ def record(path: Path, frames: int | None = None) -> Record:
         made = Pictures(run)
         drawn = chosen(len(table["time"]), frames or fitting(len(made.first)))
         pictures = made.run(frames=drawn).pictures
-        made_with = run.universe.trajectory.frames.versions
+        frames_of = run.universe.trajectory.frames
+        made_with = frames_of.versions if isinstance(frames_of, Store) else {}
         scene, log = run.scene, run.events
     copies, corners = surface(made.first, made.triangles, np.array(scene.box_sides[:2]))
     pictured, ranges = arrays(pictures)
