@@ -109,7 +109,7 @@ CASES = {
     "birth inf": (put("birth_time", FIRST, -np.inf), "birth_time: entry 168 is -inf, must be fini"),
     "start text": (give("pair_start", ["x"] * N), "pair_start: must be an array of numbers"),
     "time nan": (give("time", np.nan), "time: is nan, must be finite"),
-    "time < 0": (give("time", -1.0), "time: is -1, must be 0 to 1e+12"),
+    "time < 0": (give("time", -1.0), "time: is -1, must be 0 to 5e+11"),
     "time text": (give("time", "soon"), "time: must be an array of numbers"),
 }
 

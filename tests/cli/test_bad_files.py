@@ -64,7 +64,7 @@ DAMAGE = {
         r"built/scene\.in: states no start_time; build the scene again",
     ),
     "no number": (edit("scene.in", "contact", "contract"), "Substitution for illegal variable con"),
-    "nan": (edit("scene.in", "timestep index 1.0", "timestep index nan"), "Variable timestep: No"),
+    "nan": (edit("scene.in", "timestep index 0.5", "timestep index nan"), "Variable timestep: No"),
     "no part": (remove("cells.in"), "Cannot open input script .*/cells.in: No such file"),
     "no data": (remove("skin.data"), "Cannot open file .*/skin.data: No such file"),
     "empty data": (fill("skin.data", b""), "Unexpected end of data file"),

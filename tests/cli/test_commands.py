@@ -87,7 +87,7 @@ def test_check_counts_what_build_makes(skin):
     for kind in (Kind.DERMAL, Kind.MEMBRANE, Kind.STEM):
         assert int(row(text, f"{kind.label} particles")) == (configuration.kinds == kind).sum()
     assert int(row(text, "links")) == len(configuration.links)
-    assert row(text, "steps") == "200"
+    assert row(text, "steps") == "400"
 
 
 def test_check_says_what_is_off_and_why(skin):
