@@ -54,6 +54,12 @@ class FixSkinCells : public Fix {
 
   void within_step(double offset) { cells.clock.set_within_step(offset); }
   void forget_detached_after(double offset);
+
+  // cells that have left before, which no force knows of, out of the reach of all others, and back
+  // where they are
+
+  void take_away_left();
+  void put_back_left();
   bool any_astray() { return attachment.any_astray(); }
 
   // some or all of the forces of this fix

@@ -11,29 +11,46 @@
 
 using namespace LAMMPS_NS;
 
-/* ----------------------------------------------------------------------
-   a cell that is seen to have left waits for the event step that removes it. From then on no force
-   knows of it: while forces are computed it is far above the box.
-------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------- */
 
 void FixSkinCells::pre_force(int /*vflag*/)
 {
   if (!reach_checked) attachment.check_reach();
   reach_checked = true;
   find_nearest();
+  for (size_t k = 0; k < cells.list.size(); k++) attachment.watch(cells.list[k], closest[k]);
+  take_away_left();
+}
+
+/* ----------------------------------------------------------------------
+   a cell that was seen to have left waits for the event step that removes it, and no force knows
+   of it: while forces are computed it is far above the box, and far from all others that are there
+------------------------------------------------------------------------- */
+
+void FixSkinCells::take_away_left()
+{
   away.assign(cells.list.size(), NAN);
   const double now = cells.clock.now();
   int mine = 0;
   for (size_t k = 0; k < cells.list.size(); k++) {
     const int i = cells.list[k];
-    attachment.watch(i, closest[k]);
     if (!cells.left_before(i, now)) continue;
     away[k] = atom->x[i][2];
-    atom->x[i][2] += 2.0 * domain->prd[2];
+    atom->x[i][2] += (1.0 + (double) atom->tag[i]) * domain->prd[2];
     mine = 1;
   }
   MPI_Allreduce(&mine, &any_away, 1, MPI_INT, MPI_MAX, world);
   if (any_away) comm->forward_comm();
+}
+
+/* ---------------------------------------------------------------------- */
+
+void FixSkinCells::put_back_left()
+{
+  if (!any_away) return;
+  for (size_t k = 0; k < away.size(); k++)
+    if (is_away(k)) atom->x[cells.list[k]][2] = away[k];
+  comm->forward_comm();
 }
 
 /* ---------------------------------------------------------------------- */
@@ -51,10 +68,7 @@ void FixSkinCells::min_pre_force(int vflag)
 void FixSkinCells::pre_reverse(int eflag, int vflag)
 {
   add_forces(ATTACHMENT | SPRINGS, eflag, vflag);
-  if (!any_away) return;
-  for (size_t k = 0; k < away.size(); k++)
-    if (is_away(k)) atom->x[cells.list[k]][2] = away[k];
-  comm->forward_comm();
+  put_back_left();
 }
 
 /* ---------------------------------------------------------------------- */

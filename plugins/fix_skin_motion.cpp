@@ -206,7 +206,9 @@ void FixSkinMotion::round_positions()
 
 void FixSkinMotion::final_integrate()
 {
+  if (cells && !pairs.empty()) cells->take_away_left();
   for (const PairSkinBase *pair : pairs) pair->check_overlap();
+  if (cells && !pairs.empty()) cells->put_back_left();
   if (!bend) return;
   const bool found = bend->find_inverted();
   inverted_time = found ? inverted_time + update->dt : 0.0;

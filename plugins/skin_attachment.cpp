@@ -122,7 +122,7 @@ void SkinAttachment::watch(int i, const SkinNearest::Neighbor &closest)
   const double r = closest.index < 0 ? INFINITY : std::sqrt(closest.distsq);
   double &detached_time = cells.state.detached_time[i];
 
-  if (r < core && at_end) pierced(i, closest, r);
+  if (r < core && at_end && !cells.detached(i)) pierced(i, closest, r);
   if (kind.always_pulled()) {
     if (!(r <= reach()) && at_end) lost(i, r);
   } else if (kind.detaches() && !(stretch(closest) <= kind.detachment - 1.0) &&
@@ -154,7 +154,8 @@ bool SkinAttachment::any_astray()
   for (int k = 0; k < (int) cells.list.size(); k++) {
     const SkinNearest::Neighbor closest = nearest_candidate(k);
     if (cells.row_of(cells.list[k]).always_pulled() && !is_sure(closest)) return true;
-    if (closest.index >= 0 && closest.distsq < core * core) return true;
+    const bool close = closest.index >= 0 && closest.distsq < core * core;
+    if (close && !cells.detached(cells.list[k])) return true;
   }
   return false;
 }

@@ -372,16 +372,19 @@ def test_what_has_left_acts_on_no_other(form: str, ranks: int, tmp_path: Path) -
     """Until the event step that removes it: neither on a cell that it overlaps nor on its pair."""
     scene = membrane_scene(**{"numerics.event_interval": 1.0, "numerics.pair_form": form})
     x, y = 6.0, 7 * math.sqrt(3) / 2
-    leaving = [(Kind.EXHAUSTED, (x, y, HEIGHT + 1.5 * CONTACT), 0),
-               (Kind.TA, (0.05, y, HEIGHT + FAR), 1)]
+    leaving = [
+        (Kind.EXHAUSTED, (x, y, HEIGHT + 1.5 * CONTACT), 0),
+        (Kind.EXHAUSTED, (x + 1, y, HEIGHT + 1.7 * CONTACT), 0),
+        (Kind.TA, (0.05, y, HEIGHT + FAR), 1),
+    ]
     staying = [(Kind.TA, (x, y, HEIGHT + NEAR), 1), (Kind.TA, (0.5, y + 1, HEIGHT + NEAR), 1)]
     found = []
     for number, cells in enumerate((staying, [*staying, *leaving])):
         configuration = place(scene, cells)
         configuration.next_division[configuration.is_cell] = 1e9
         if number:
-            configuration.pair[[-3, -1]] = [676, 674]
-            configuration.pair_start[[-3, -1]] = 0.0
+            configuration.pair[[-4, -1]] = [677, 674]
+            configuration.pair_start[[-4, -1]] = 0.0
         directory = tmp_path / str(number)
         with Simulation.begin(scene, directory, configuration, ranks) as simulation:
             simulation.command("group membrane type membrane")
@@ -393,5 +396,5 @@ def test_what_has_left_acts_on_no_other(form: str, ranks: int, tmp_path: Path) -
         if number:
             assert np.linalg.norm(at_first, axis=1).min() > 0.01
     alone, crowd_ = found
-    np.testing.assert_allclose(crowd_.forces[-2:], 0.0, atol=1e-15)
-    np.testing.assert_allclose(crowd_.positions[:-2], alone.positions, atol=0.02)
+    np.testing.assert_allclose(crowd_.forces[-3:], 0.0, atol=1e-15)
+    np.testing.assert_allclose(crowd_.positions[:-3], alone.positions, atol=0.02)
