@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import base64
+import re
 import shutil
 import subprocess
 import xml.etree.ElementTree as xml
@@ -13,6 +15,7 @@ from lammps_skin.analysis.curvature import curvature
 from lammps_skin.cli import main
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.start import lattice
+from scipy.spatial import cKDTree
 
 from tests.trajectory.conftest import FRAMES, INTERVAL
 
@@ -104,6 +107,115 @@ def test_cells_in_every_frame(run, exported):
             np.testing.assert_array_equal(points[name], getattr(told, name))
 
 
+def test_clones_of_cells_are_those_of_their_mothers(run, exported):
+    clone, mothers = {}, {}
+    for _, points in frames_of(exported / "cells.pvd"):
+        clone |= dict(zip(points["id"].tolist(), points["clone"].tolist(), strict=True))
+        mothers |= dict(zip(points["id"].tolist(), points["parent"].tolist(), strict=True))
+    born = {cell: mother for cell, mother in mothers.items() if mother in clone}
+    assert len(born) > 5
+    assert all(clone[cell] == clone[mother] for cell, mother in born.items())
+    first = read(exported / "cells.0000000000.vtp")
+    np.testing.assert_array_equal(first["clone"], first["id"])
+
+
+def test_the_script_for_paraview_is_python_and_names_the_kinds(run, exported):
+    text = (exported / "view.py").read_text()
+    body = compile(text, "view.py", "exec", ast.PyCF_ONLY_AST).body
+    values = {
+        one.targets[0].id: ast.literal_eval(one.value)
+        for one in body
+        if isinstance(one, ast.Assign) and ast.unparse(one.targets[0]) in ("KINDS", "DERMIS")
+    }
+    assert values["KINDS"] == {int(k): (k.name, k.colour) for k in run.scene.kinds_of_cells}
+    assert values["DERMIS"] is False
+    names = {one.args[0].value for one in ast.walk(ast.Module(body, [])) if is_call(one, "spheres")}
+    assert {"cells", "dermis"} == names
+
+
+def is_call(node, name):
+    return isinstance(node, ast.Call) and getattr(node.func, "id", "") == name
+
+
+def test_extended_xyz(run, tmp_path):
+    """Read line by line, as its description says."""
+    output = tmp_path / "skin.xyz"
+    assert export(run.driven, "--to", "xyz", "-o", output) == 0
+    lines = iter(output.read_text().splitlines())
+    kinds = {int(kind): kind for kind in run.scene.kinds}
+    for told, frame in zip(run.particles, run.frames, strict=True):
+        assert int(next(lines)) == len(told.ids)
+        header = next(lines)
+        lattice_vectors = re.search(r'Lattice="([^"]*)"', header)[1].split()
+        assert [float(lattice_vectors[n]) for n in (0, 4, 8)] == list(run.scene.box_sides)
+        assert f"Time={frame.time:.16g}" in header
+        widths = re.search(r"Properties=(\S+)", header)[1].split(":")[2::3]
+        rows = [next(lines).split() for _ in told.ids]
+        assert {len(row) for row in rows} == {sum(map(int, widths))}
+        assert [row[0] for row in rows] == [kinds[kind].label for kind in told.types.tolist()]
+        np.testing.assert_allclose(
+            np.array([row[1:4] for row in rows], float), told.positions, rtol=1e-7
+        )
+        assert [int(row[4]) for row in rows] == told.ids.tolist()
+        radii = {Kind.MEMBRANE: run.scene.membrane.radius}
+        assert [float(row[5]) for row in rows] == [
+            radii.get(kind, run.scene.cells.radius) for kind in told.types.tolist()
+        ]
+    assert next(lines, None) is None
+
+
+def test_vmd_has_a_fixed_number_of_atoms_and_all_that_is_there(run, tmp_path):
+    output = tmp_path / "vmd"
+    assert export(run.driven, "--to", "vmd", "-o", output) == 0
+    clone_of_place = np.loadtxt(output / "clones.dat", dtype=int)
+    lines = iter((output / "skin.xyz").read_text().splitlines())
+    names = None
+    kinds = {int(kind): kind.label for kind in run.scene.kinds}
+    for told in run.particles:
+        number = int(next(lines))
+        assert number == len(clone_of_place)
+        next(lines)
+        rows = [next(lines).split() for _ in range(number)]
+        assert names in (None, [row[0] for row in rows])  # the same in all frames
+        names = [row[0] for row in rows]
+        places = np.array([row[1:] for row in rows], float)
+        there = places[:, 2] > -500
+        assert there.sum() == len(told.ids)
+        for kind, label in kinds.items():
+            chosen = there & (np.array(names) == label)
+            wanted = told.positions[told.types == kind]
+            assert chosen.sum() == len(wanted)
+            if len(wanted):
+                distance, which = cKDTree(wanted).query(places[chosen])
+                assert distance.max() < 1e-5 and len(set(which)) == len(wanted)
+    script = (output / "view.tcl").read_text()
+    calls = tcl_calls(output / "view.tcl")
+    there = {kind.label for kind in run.scene.kinds if kind.label in names}
+    assert {call for call in calls if call.startswith("mol selection")} == {
+        f"mol selection {{name {label} and z > -500}}" for label in there
+    }
+    assert f"mol new {output}/skin.xyz type xyz waitfor all" in calls
+    assert [call for call in calls if " set resid " in call] == [
+        "all set resid " + " ".join(map(str, clone_of_place))
+    ]
+    for kind in run.scene.kinds:
+        assert (f"\n  {kind.label} " in script) == (kind.label in names)
+    assert script.count("{") == script.count("}")
+
+
+def tcl_calls(script):
+    """What a script calls of VMD, in the interpreter of Tcl that Python brings along."""
+    tcl = pytest.importorskip("tkinter").Tcl()
+    tcl.eval(
+        "proc mol args {lappend ::calls [concat mol $args]}\n"
+        "proc color args {lappend ::calls [concat color $args]}\n"
+        "proc atomselect {molecule text} {return $text}\n"
+        'proc unknown {text args} {lappend ::calls "$text [join $args]"}\n'
+        f"source {script}"
+    )
+    return list(tcl.splitlist(tcl.getvar("calls")))
+
+
 @pytest.mark.parametrize("name", ["membrane", "cells"])
 def test_vtk_reads_the_same(name, exported):
     """Where it is installed: it is 566 MB."""
@@ -144,7 +256,7 @@ def test_what_cannot_be_exported_is_refused(run, tmp_path, capsys):
         (run.directory, "--to", "dump"): "skin.dump: is there already",
         (run.directory, "--to", "vtk", "-o", tmp_path / "file"): "file: File exists",
         (tmp_path / "none.h5", "--to", "vtk"): "none.h5: No such file or directory",
-        (run.directory, "--to", "xyz"): "'xyz' is not one of",
+        (run.directory, "--to", "pdb"): "'pdb' is not one of",
     }
     for arguments, text in cases.items():
         assert export(*arguments) == 2

@@ -21,9 +21,7 @@ COMMANDS = {
     "build": "Write a scene as LAMMPS input: scripts, tables, data file.",
     "run": "Run a scene, or a directory that `skin build` has made.",
     "convert": "Write the trajectory of a run, skin.dump, as an H5MD file that MDAnalysis reads.",
-    "export": (
-        "Write the trajectory of a run for ParaView (--to vtk) or OVITO and LAMMPS (--to dump)."
-    ),
+    "export": "Write the trajectory of a run for ParaView, OVITO, VMD, or as a dump of LAMMPS.",
     "evaluate": "Print energies by term and the force on every particle of a text file.",
     "stats": "Show the observables of a run: over time, averaged, with events and energies.",
     "report": "Write a page that shows a run, or several side by side, in any browser.",
@@ -32,8 +30,9 @@ COMMANDS = {
     "compare": "Show runs or ensembles side by side, with tests between them.",
     "claims": "Test the paper's claims on the tables of ensembles.",
     "snapshot": (
-        "Draw a run at a time: in three dimensions, as a map of heights, as a vertical section."
+        "Draw a run at a time: in three dimensions, as maps, as a vertical section, as a tree."
     ),
+    "movie": "Write a movie of a run: the snapshot of every frame, from one camera.",
     "figure": "Draw a figure of the paper; what has not been run is run after a question.",
     "tradeoff": "Compare choices of numerics: error against time.",
     "stability": "Map the longest stable timesteps, by bisection, beside estimates.",

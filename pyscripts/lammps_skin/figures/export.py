@@ -1,4 +1,4 @@
-"""The trajectory of a run in files of other programs: ParaView, and the dump of LAMMPS."""
+"""The trajectory of a run in files of other programs: ParaView, OVITO, VMD, LAMMPS."""
 
 from __future__ import annotations
 
@@ -11,15 +11,19 @@ from lammps_skin.analysis.curvature import curvature
 from lammps_skin.analysis.geometry import minimum_image
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import SkinError
+from lammps_skin.figures.atoms import radius_of, write_vmd, write_xyz
+from lammps_skin.figures.paraview_script import paraview_script
 from lammps_skin.figures.polydata import write_polydata, write_series
 from lammps_skin.files import atomic_write
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
+from lammps_skin.trajectory.clones import clones
 from lammps_skin.trajectory.dump import write_dump
 from lammps_skin.trajectory.frame import Frame
 from lammps_skin.trajectory.frames import open_frames
 from lammps_skin.trajectory.writer import reason
 
+SCRIPT = "view.py"
 CELL_DATA = ("divisions_left", "partner", "parent", "pair", "birth_time", "next_division")
 
 
@@ -27,11 +31,12 @@ CELL_DATA = ("divisions_left", "partner", "parent", "pair", "birth_time", "next_
 
 
 def export_vtk(run: str | Path, output: Path) -> list[Path]:
-    """Write membrane and cells of every frame for ParaView.
+    """Write membrane, cells and dermis of every frame for ParaView, and the script view.py.
 
-    There are two time series, membrane.pvd and cells.pvd, of one file .vtp for each frame. Points
-    of the membrane have id, height, mean_curvature and gaussian_curvature; those of cells have
-    id, kind, radius and their state. Triangles that pass through a periodic edge are left out.
+    There are the time series membrane.pvd, cells.pvd and, of a scene with a dermis, dermis.pvd, of
+    one file .vtp for each frame. Points of the membrane have id, height, mean_curvature and
+    gaussian_curvature; those of cells have id, kind, radius, clone and their state; those of the
+    dermis id and radius. Triangles that pass through a periodic edge are left out.
 
     Parameters
     ----------
@@ -43,26 +48,32 @@ def export_vtk(run: str | Path, output: Path) -> list[Path]:
     Returns
     -------
     list of Path
-        The time series.
+        The time series, and the script.
     """
     frames = open_frames(run)
-    series: dict[str, list[tuple[float, str]]] = {"membrane": [], "cells": []}
+    scene, founders = frames.scene, clones(frames)
+    names = ("membrane", "cells", *(["dermis"] if scene.dermis.present else []))
+    series: dict[str, list[tuple[float, str]]] = {name: [] for name in names}
     try:
         output.mkdir(parents=True, exist_ok=True)
         for frame in frames:
             surfaces = {
                 "membrane": _membrane(frame, frames.triangles),
-                "cells": _cells(frame, frames.scene),
+                "cells": _cells(frame, scene, founders),
+                "dermis": _dermis(frame, scene),
             }
-            for name, surface in surfaces.items():
+            for name in series:
+                surface = surfaces[name]
                 file = f"{name}.{frame.step:010d}.vtp"
                 write_polydata(output / file, *surface)
                 series[name].append((frame.time, file))
         for name, files in series.items():
             write_series(output / f"{name}.pvd", files)
+        script = paraview_script(scene.kinds_of_cells, scene.dermis.present)
+        (output / SCRIPT).write_text(script, "utf-8")
     except OSError as error:
         raise SkinError(f"output {output}: {reason(error)}") from None
-    return [output / f"{name}.pvd" for name in series]
+    return [*(output / f"{name}.pvd" for name in series), output / SCRIPT]
 
 
 class Surface(NamedTuple):
@@ -88,18 +99,71 @@ def _membrane(frame: Frame, triangles: Ints) -> Surface:
     return Surface(positions, data, corners[inside])
 
 
-def _cells(frame: Frame, scene: Scene) -> Surface:
-    """The cells as points."""
+def _cells(frame: Frame, scene: Scene, founders: Ints) -> Surface:
+    """The cells as points, with the founders (s,) of the cells of all ids."""
     cells = is_cell(frame.kinds)
     data = {
         "id": frame.ids[cells], "kind": frame.kinds[cells],
         "radius": np.full(cells.sum(), scene.cells.radius),
+        "clone": founders[frame.ids[cells] - 1],
         **{name: frame.state[name][cells] for name in CELL_DATA},
     }  # fmt: skip
     return Surface(frame.positions[cells], data)
 
 
-# ---- LAMMPS, OVITO
+def _dermis(frame: Frame, scene: Scene) -> Surface:
+    """The particles of the dermis as points."""
+    chosen = frame.kinds == Kind.DERMAL
+    radius = np.full(chosen.sum(), radius_of(scene, Kind.DERMAL))
+    return Surface(frame.positions[chosen], {"id": frame.ids[chosen], "radius": radius})
+
+
+# ---- OVITO, VMD
+
+
+def export_xyz(run: str | Path, output: Path) -> Path:
+    """Write extended XYZ, with names, radii, colours and clones, for OVITO and ASE.
+
+    Parameters
+    ----------
+    run : path
+        Run directory, or a skin.h5.
+    output : Path
+        The file.
+    """
+    frames = open_frames(run)
+    try:
+        with atomic_write(output) as place:
+            write_xyz(place, frames.scene, frames, clones(frames))
+    except OSError as error:
+        raise SkinError(f"output {output}: {reason(error)}") from None
+    return output
+
+
+def export_vmd(run: str | Path, output: Path) -> list[Path]:
+    """Write a trajectory for VMD, and the script view.tcl that shows it.
+
+    Parameters
+    ----------
+    run : path
+        Run directory, or a skin.h5.
+    output : Path
+        Directory, made if it is not there.
+
+    Returns
+    -------
+    list of Path
+        What has been written.
+    """
+    frames = open_frames(run)
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        return write_vmd(output, frames.scene, frames, clones(frames))
+    except OSError as error:
+        raise SkinError(f"output {output}: {reason(error)}") from None
+
+
+# ---- LAMMPS
 
 
 def export_dump(run: str | Path, output: Path) -> Path:
