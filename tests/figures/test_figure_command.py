@@ -56,6 +56,11 @@ def test_a_figure_that_needs_no_run(skin, tmp_path):
     assert matplotlib.image.imread(tmp_path / "out/figure-1.png").std() > 0.05
 
 
+def test_a_figure_for_print_is_a_pdf_with_text(skin, tmp_path):
+    assert skin("figure", 1, "--print", "-o", "out").out.startswith("out/figure-1.pdf: ")
+    assert b"/FontFile2" in (tmp_path / "out/figure-1.pdf").read_bytes()  # TrueType, not outlines
+
+
 def test_runs_are_not_started_without_a_word(refused, tmp_path):  # noqa: F811
     told = refused("figure", 3, "--quick", "--seeds", "1-2")
     assert told.startswith("figure 3 needs 6 runs of quarter-ring, quarter-cluster, quarter-random")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from lammps_skin.errors import FigureError
 from lammps_skin.figures.time_courses import ORDERS, draw_course, draw_courses, draw_stem_and_nd
+from lammps_skin.style import printed
 from matplotlib.figure import Figure
 from scipy.stats import t as student
 
@@ -79,3 +80,19 @@ def test_stem_and_nd_have_a_line_each():
             "stem": 1, "ND": 3,
         }  # fmt: skip
     assert figure.axes[0].get_title() == "nd-a (1 seed)"
+
+
+def test_time_is_in_cycles_in_print():
+    """And panels have letters, within the width of a page."""
+    tables = {"ring": table([[1.0, 2.0]], ORDERS)}
+    on_screen = draw_courses(tables, ORDERS, across=2, cycle=10.0)
+    with printed():
+        figure = draw_courses(tables, ORDERS, across=2, cycle=10.0)
+    times, cycles = (one.axes[0].lines[0].get_xdata() for one in (on_screen, figure))
+    assert cycles == pytest.approx(np.array(times) / 10.0)
+    assert [axes.get_xlabel() for axes in (on_screen.axes[0], figure.axes[0])] == [
+        "time", "time (cycles)",
+    ]  # fmt: skip
+    assert [axes.get_title("left") for axes in figure.axes] == ["a", "b", "c", "d"]
+    assert figure.get_size_inches()[0] == pytest.approx(183 / 25.4)
+    assert on_screen.axes[0].get_title("left") == ""

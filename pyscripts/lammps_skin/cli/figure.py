@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,7 @@ import typer
 from lammps_skin.cli.ensemble import run_members, seeds_of
 from lammps_skin.cli.options import Accuracy, Jobs, Parameters, Settings, scene_from
 from lammps_skin.cli.output import console, counted, duration, print_table
+from lammps_skin.cli.snapshot import Print
 from lammps_skin.engine.machine import cores
 from lammps_skin.errors import FigureError
 
@@ -36,6 +38,7 @@ def figure(
         typer.Option(metavar="SEEDS", help="Such as 1-8; those of the tables if not given."),
     ] = None,
     jobs: Jobs = None,
+    for_print: Print = False,
     yes: Annotated[bool, typer.Option("--yes", help="Start missing runs without asking.")] = False,
     parameters: Parameters = None,
     accuracy: Accuracy = None,
@@ -44,6 +47,7 @@ def figure(
     """Draw a figure of the paper; what has not been run is run after a question."""
     from lammps_skin.figures import paper  # MDAnalysis takes a second to import
     from lammps_skin.figures.snapshot import check_output, save
+    from lammps_skin.style import printed
 
     wanted = None if seeds is None else seeds_of(seeds)
     size = "quarter" if quick else "paper"
@@ -59,11 +63,14 @@ def figure(
         _list([request(number) for number in paper.FIGURES])
         return
     asked = request(number)
-    path = output / f"figure-{number}{'-quick' if quick else ''}.png"
+    suffix = "pdf" if for_print else "png"
+    path = output / f"figure-{number}{'-quick' if quick else ''}.{suffix}"
     check_output(path)
     if asked.missing:
         _run(asked, jobs, yes)
-    console.print(f"{save(asked.draw(), path)}: {asked.figure.title}")
+    with printed() if for_print else nullcontext():
+        written = save(asked.draw(), path)
+    console.print(f"{written}: {asked.figure.title}")
 
 
 def _list(requests: list[Request]) -> None:

@@ -16,10 +16,16 @@ from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import FigureError
 from lammps_skin.figures.moments import Moment
 from lammps_skin.kinds import is_cell
+from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import near
 
 CLONES = "tab20"  # colours of clones, in the order of their founders
 UNKNOWN = (0.6, 0.6, 0.6)  # colour of what has no value
+
+
+def mean_cycle(scene: Scene) -> float:
+    """Mean time from a division of a cell to its next one: T0 + 1/gamma."""
+    return float(scene.cells.cycle_delay + 1 / scene.cells.cycle_rate)
 
 
 class Colouring(NamedTuple):
@@ -60,8 +66,7 @@ def _generations(moment: Moment) -> Floats:
 
 
 def _two_cycles(moment: Moment) -> tuple[float, float]:
-    cells = moment.scene.cells
-    return 0.0, 2 * (cells.cycle_delay + 1 / cells.cycle_rate)
+    return 0.0, 2 * mean_cycle(moment.scene)
 
 
 def _most_generations(moment: Moment) -> tuple[float, float]:

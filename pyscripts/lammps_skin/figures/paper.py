@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from lammps_skin.analysis.observables import Table, read_table
 from lammps_skin.errors import FigureError, SkinError
 from lammps_skin.figures.gallery import draw_run, draw_scenes
+from lammps_skin.figures.look import mean_cycle
 from lammps_skin.figures.moments import last_time
 from lammps_skin.figures.potential_curves import draw_potentials
 from lammps_skin.figures.time_courses import ORDERS, TISSUE, draw_courses, draw_stem_and_nd
@@ -38,35 +39,37 @@ class PaperFigure:
         What it needs of each: the "table" of observables of several seeds, the directory of a
         "run" with its trajectory, or "nothing".
     draw : callable
-        Makes the figure of a mapping from scenes to tables or directories.
+        Makes the figure of a mapping from scenes to tables or directories, and of the mean time of
+        a cell cycle, the unit of time in print.
     """
 
     title: str
     scenes: tuple[str, ...]
     of: Literal["table", "run", "nothing"]
-    draw: Callable[[Mapping[str, Any]], Figure]
+    draw: Callable[[Mapping[str, Any], float | None], Figure]
 
 
 FIGURES = {
-    1: PaperFigure("the potentials", (), "nothing", lambda _: draw_potentials()),
+    1: PaperFigure("the potentials", (), "nothing", lambda *_: draw_potentials()),
     2: PaperFigure(
         "snapshots of the ring run: stem cells, stem and TA cells", ("ring",), "run",
-        lambda runs: draw_run(runs["ring"]),
+        lambda runs, _: draw_run(runs["ring"]),
     ),
     3: PaperFigure(
         "chi_H, chi_G, zeta and sigma for ring, cluster and random", ARRANGEMENTS, "table",
-        lambda tables: draw_courses(tables, ORDERS, across=2),
+        lambda tables, cycle: draw_courses(tables, ORDERS, 2, cycle),
     ),
     4: PaperFigure(
-        "scenes (a) to (d) of stem and ND cells, at first and at last", WITH_ND, "run", draw_scenes
+        "scenes (a) to (d) of stem and ND cells, at first and at last", WITH_ND, "run",
+        lambda runs, _: draw_scenes(runs),
     ),
     5: PaperFigure(
         "chi_H, chi_G, zeta and sigma of stem and of ND cells", WITH_ND, "table",
-        lambda tables: draw_stem_and_nd(tables, tuple(ORDERS)),
+        lambda tables, cycle: draw_stem_and_nd(tables, tuple(ORDERS), cycle),
     ),
     6: PaperFigure(
         "numbers of cells, coverage, height and papillae", ARRANGEMENTS, "table",
-        lambda tables: draw_courses(tables, TISSUE, across=4),
+        lambda tables, cycle: draw_courses(tables, TISSUE, 4, cycle),
     ),
 }  # fmt: skip
 
@@ -113,7 +116,8 @@ class Request:
             }
         else:
             found = {name: self._table(scene) for name, scene in self.scenes.items()}
-        return self.figure.draw(found)
+        cycles = [mean_cycle(scene) for scene in self.scenes.values()]
+        return self.figure.draw(found, cycles[0] if cycles else None)
 
     def _shown(self, scene: Scene) -> Member:
         """The run whose trajectory is shown."""

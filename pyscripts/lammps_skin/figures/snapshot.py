@@ -31,7 +31,7 @@ from lammps_skin.style import name_panels, plain, size
 
 NAMES = {Kind.EXHAUSTED: "TA, exhausted"}  # in a legend, of kinds with another name than theirs
 NONE = "none"  # word for no cells
-STRIP = 0.34  # of a title, of a legend: inches
+STRIP, BAR = 0.34, 0.75  # of a title or a legend, of colours that stand for numbers: inches
 SCALE_BAR = 0.25  # of the width of a picture, at most
 CELLS_LONG = (1, 2, 5, 10, 20, 50, 100)  # a scale bar, diameters of a cell
 
@@ -225,14 +225,14 @@ def _alone(moment: Moment, view: str, shown: Shown) -> Figure:
     by_kind = _by_kind(look) and any(kind in moment.kinds for kind in shown.kinds)
     top, bar, names = (
         round(look.dpi * inches)
-        for inches in (STRIP, 0 if colours is None else 1.6 * STRIP, STRIP * by_kind)
+        for inches in (STRIP, 0 if colours is None else BAR, STRIP * by_kind)
     )
     pixels = high + top + bar + names
     figure = Figure(figsize=(wide / look.dpi, pixels / look.dpi), dpi=look.dpi)
     axes = figure.add_axes((0, (bar + names) / pixels, 1, high / pixels))
     VIEWS[view].draw(axes, moment, shown)
     if colours is not None:
-        place = figure.add_axes((0.2, (names + 0.65 * bar) / pixels, 0.6, 0.2 * bar / pixels))
+        place = figure.add_axes((0.2, (names + 0.72 * bar) / pixels, 0.6, 0.18 * bar / pixels))
         label = COLOURINGS[look.colour_by].label
         figure.colorbar(colours, cax=place, label=label, extend="both", orientation="horizontal")
     if by_kind:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,8 +11,9 @@ from matplotlib.figure import Figure
 
 from lammps_skin.analysis.observables import Table
 from lammps_skin.errors import FigureError
+from lammps_skin.kinds import Kind
 from lammps_skin.study.ensemble import over_time
-from lammps_skin.style import plain
+from lammps_skin.style import in_print, name_panels, plain, size
 
 ORDERS = {"chi_H": "$\\chi_H$", "chi_G": "$\\chi_G$", "zeta": "$\\zeta$", "sigma": "$\\sigma$"}
 TISSUE = {
@@ -21,11 +23,16 @@ TISSUE = {
     "papilla_spacing": "spacing of papillae",
 }  # fmt: skip
 
+# of tables, told apart with each kind of colour blindness (Okabe and Ito) and in grey
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+LINES = ("-", "--", "-.", ":")
+DARK_STEM = tuple(0.55 * part for part in Kind.STEM.colour)  # for a line on white
 
-def draw_course(axes: Axes, table: Table, column: str, **style: str) -> None:
+
+def draw_course(axes: Axes, table: Table, column: str, unit: float = 1.0, **style: Any) -> None:
     """Mean over seeds as a line, its 95 % confidence interval as a band.
 
-    Where less than half of the seeds have a value there is neither.
+    Where less than half of the seeds have a value there is neither. The unit is that of time.
     """
     names = table.dtype.names or ()
     for name in ("seed", "time", column):
@@ -34,12 +41,15 @@ def draw_course(axes: Axes, table: Table, column: str, **style: str) -> None:
     times, means = over_time(table, column)
     value, _, low, high, count = np.array(means).T
     value, low, high = np.where(2 * count < count.max(), np.nan, (value, low, high))
-    (line,) = axes.plot(times, value, **style)  # type: ignore[arg-type]
+    times = np.asarray(times) / unit
+    (line,) = axes.plot(times, value, **style)
     axes.fill_between(times, low, high, color=line.get_color(), alpha=0.2, linewidth=0)
 
 
 @plain
-def draw_courses(tables: Mapping[str, Table], columns: Mapping[str, str], across: int) -> Figure:
+def draw_courses(
+    tables: Mapping[str, Table], columns: Mapping[str, str], across: int, cycle: float | None = None
+) -> Figure:
     """Figure with a panel for each column and a line for each table.
 
     Parameters
@@ -48,14 +58,20 @@ def draw_courses(tables: Mapping[str, Table], columns: Mapping[str, str], across
     columns : mapping of column to what it is called
     across : int
         Panels side by side.
+    cycle : float, optional
+        Mean time of a cell cycle: the unit of time in print.
     """
     rows = -(-len(columns) // across)
-    figure = Figure(figsize=(4.6 * across, 3.4 * rows), layout="constrained")
+    figure = Figure(figsize=size(4.6 * across, 3.4 * rows), layout="constrained")
     panels: list[Axes] = list(figure.subplots(rows, across, squeeze=False).ravel())
     for axes, (column, name) in zip(panels, columns.items(), strict=False):
-        for label, table in tables.items():
-            draw_course(axes, table, column, label=f"{label} ({_seeds(table)})")
-        _finish(axes, name)
+        for n, (label, table) in enumerate(tables.items()):
+            draw_course(
+                axes, table, column, _unit(cycle), label=f"{label} ({_seeds(table)})",
+                color=COLOURS[n % len(COLOURS)], linestyle=LINES[n % len(LINES)],
+            )  # fmt: skip
+        _finish(axes, name, cycle)
+    name_panels(panels[: len(columns)])
     for axes in panels[len(columns) :]:
         axes.set_axis_off()
     panels[0].legend(frameon=False)
@@ -63,16 +79,22 @@ def draw_courses(tables: Mapping[str, Table], columns: Mapping[str, str], across
 
 
 @plain
-def draw_stem_and_nd(tables: Mapping[str, Table], columns: Sequence[str]) -> Figure:
+def draw_stem_and_nd(
+    tables: Mapping[str, Table], columns: Sequence[str], cycle: float | None = None
+) -> Figure:
     """Figure with a row for each table and a panel for each column, for stem and ND cells."""
-    figure = Figure(figsize=(4.2 * len(columns), 2.9 * len(tables)), layout="constrained")
+    figure = Figure(figsize=size(4.2 * len(columns), 2.9 * len(tables)), layout="constrained")
+    unit = _unit(cycle)
     panels = figure.subplots(len(tables), len(columns), squeeze=False, sharex=True, sharey="col")
     for row, (label, table) in zip(panels, tables.items(), strict=True):
         for axes, column in zip(row, columns, strict=True):
-            draw_course(axes, table, column, label="stem", color="tab:green")
-            draw_course(axes, table, f"{column}_nd", label="ND", color="darkred")
-            _finish(axes, ORDERS[column])
+            draw_course(axes, table, column, unit, label="stem", color=DARK_STEM)
+            draw_course(
+                axes, table, f"{column}_nd", unit, label="ND", color=Kind.ND.colour, linestyle="--"
+            )
+            _finish(axes, ORDERS[column], cycle)
         row[0].set_title(f"{label} ({_seeds(table)})")
+    name_panels(panels.ravel().tolist())
     panels[0][0].legend(frameon=False)
     return figure
 
@@ -82,6 +104,10 @@ def _seeds(table: Table) -> str:
     return f"{number} seed{'s' if number > 1 else ''}"
 
 
-def _finish(axes: Axes, name: str) -> None:
+def _finish(axes: Axes, name: str, cycle: float | None) -> None:
     axes.axhline(0.0, color="0.7", linewidth=0.8, zorder=0)
-    axes.set(xlabel="time", ylabel=name)
+    axes.set(xlabel="time" if _unit(cycle) == 1.0 else "time (cycles)", ylabel=name)
+
+
+def _unit(cycle: float | None) -> float:
+    return cycle if cycle is not None and in_print() else 1.0
