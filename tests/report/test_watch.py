@@ -112,6 +112,12 @@ def test_numbers_in_the_terminal_are_those_of_the_files(going: Going) -> None:
     assert " to go" in shown
 
 
+def test_the_page_is_served_until_control_c(run: Path) -> None:
+    """Also when the run has ended."""
+    shown = in_terminal("watch", str(run), "--browser", until=r"t = 300 of 300, ended")
+    assert re.search(r"http://127\.0\.0\.1:\d+/ \(control-C ends it\)", shown)
+
+
 def test_it_grows_with_the_run_and_tells_of_its_end(going: Going) -> None:
     """Frames that are known are not measured again."""
     watched = Watched(going.directory)

@@ -42,12 +42,12 @@ def watch(
     """Watch a run as it goes on: numbers in the terminal, or the page in a browser as well."""
     from lammps_skin.report.watched import Watched  # MDAnalysis takes a second to import
 
-    watched = Watched(run)
-    look = watched.look()
-    if not console.is_interactive and not browser:
-        console.print(_shown(run, look))
-        return
     try:
+        watched = Watched(run)
+        look = watched.look()
+        if not console.is_interactive and not browser:
+            console.print(_shown(run, look))
+            return
         with _served(run, port) if browser else nullcontext() as page:
             if page:
                 console.print(f"{page.address} (control-C ends it)")

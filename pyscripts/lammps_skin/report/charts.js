@@ -4,7 +4,7 @@
 const CHART = { width: 260, height: 104, left: 4, right: 4, top: 6, bottom: 6 };
 const OPEN = ["Cells", "Basal layer", "Order parameters"]; // groups that are open at first
 
-const LINES = SETTINGS.scales.categories; // a colour for each run
+const LINES = SETTINGS.scales.runs; // a colour for each run
 
 class Charts {
   constructor(host, runs, onTime) {

@@ -11,35 +11,32 @@ function shade(scale, value, low, high) {
   return colours[Math.round(Math.min(Math.max(share, 0), 1) * (colours.length - 1))];
 }
 
-// of clones beyond the number of categories, lighter and darker ones of the same
-function category(n) {
-  const all = SCALES.categories, turn = Math.floor(n / all.length) % 3;
-  return all[n % all.length].map((part) => [part, part * 0.6, 0.5 + part / 2][turn]);
-}
-
 const CELL_COLOURS = {
   kind: { title: "kind", of: (run, n) => rgb(run.kinds.get(run.arrays.cell_kind[n]).colour) },
   height: {
-    title: "height", scale: "sequential", ends: (run) => run.told.ranges.height,
+    title: "height", scale: "height", ends: (run) => run.told.ranges.height,
     value: (run, n) => run.length(run.arrays.cells, n, 2),
   },
   curvature: {
-    title: "mean curvature of the membrane below", scale: "diverging",
+    title: "mean curvature of the membrane below", scale: "curvature",
     ends: (run) => [-run.told.ranges.curvature, run.told.ranges.curvature],
     value: (run, n) => run.arrays.cell_curvature[n],
   },
-  clone: { title: "clone", of: (run, n) => category(run.clones.get(run.arrays.cell_clone[n])) },
+  clone: {
+    title: "clone", note: (run) => `${run.clones.size} clones, each in a colour of ${SCALES.clones.length}`,
+    of: (run, n) => SCALES.clones[run.clones.get(run.arrays.cell_clone[n]) % SCALES.clones.length],
+  },
   age: {
-    title: "age (time units)", scale: "sequential", ends: (run) => [0, run.oldest],
+    title: "age (time units)", scale: "age", ends: (run) => [0, run.oldest],
     value: (run, n) => run.arrays.cell_age[n], unknown: "there from the start",
   },
   left: {
-    title: "generations left", scale: "sequential", ends: (run) => [0, run.most.left],
+    title: "generations left", scale: "generations", ends: (run) => [0, run.most.left],
     value: (run, n) => run.kinds.get(run.arrays.cell_kind[n]).endless ? NaN : run.arrays.cell_left[n],
     unknown: "divides without end",
   },
   below: {
-    title: "number of cells straight below", scale: "sequential", ends: (run) => [0, run.most.below],
+    title: "number of cells straight below", scale: "below", ends: (run) => [0, run.most.below],
     value: (run, n) => run.arrays.cell_below[n],
   },
 };
@@ -49,13 +46,13 @@ for (const colour of Object.values(CELL_COLOURS))
 const MEMBRANE_COLOURS = {
   plain: { title: "plain", of: (run) => rgb(run.told.membrane) },
   height: {
-    title: "height", scale: "sequential", ends: (run) => run.told.ranges.height,
-    of: (run, frame, n) => shade("sequential", run.point(frame, n, 2), ...run.told.ranges.height),
+    title: "height", scale: "height", ends: (run) => run.told.ranges.height,
+    of: (run, frame, n) => shade("height", run.point(frame, n, 2), ...run.told.ranges.height),
   },
   curvature: {
-    title: "mean curvature", scale: "diverging",
+    title: "mean curvature", scale: "curvature",
     ends: (run) => [-run.told.ranges.curvature, run.told.ranges.curvature],
-    of: (run, frame, n) => shade("diverging", run.arrays.curvature[frame * run.points + n], 0, 255),
+    of: (run, frame, n) => shade("curvature", run.arrays.curvature[frame * run.points + n], 0, 255),
   },
 };
 
@@ -63,6 +60,7 @@ const css = (colour) => `rgb(${colour.map((part) => Math.round(255 * part)).join
 
 // the legend of a colouring, with the ends of its scale in each run
 function legendOf(colour, runs) {
+  if (colour.note) return runs.map(colour.note).join("<br>");
   if (!colour.scale) return "";
   const shades = SCALES[colour.scale].map(css).join();
   const ends = runs.map((run) => colour.ends(run).map(short));

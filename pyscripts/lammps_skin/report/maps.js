@@ -69,7 +69,7 @@ class Maps {
     const small = new OffscreenCanvas(columns, rows), picture = new ImageData(columns, rows);
     const from = view.frame * columns * rows;
     for (let i = 0; i < columns; i++) for (let j = 0; j < rows; j++) {
-      const colour = shade("sequential", run.arrays.height[from + i * rows + j], 0, 255);
+      const colour = shade("height", run.arrays.height[from + i * rows + j], 0, 255);
       picture.data.set([...colour.map((part) => 255 * part), 255], 4 * ((rows - 1 - j) * columns + i));
     }
     small.getContext("2d").putImageData(picture, 0, 0);

@@ -15,6 +15,7 @@ from lammps_skin.analysis.lineage import Events
 from lammps_skin.analysis.observables import open_run
 from lammps_skin.analysis.summary import summary, without_nan
 from lammps_skin.errors import SkinError
+from lammps_skin.figures.look import CLONES, COLOURINGS
 from lammps_skin.figures.snapshot import on_map
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
@@ -27,11 +28,8 @@ from lammps_skin.versions import versions
 
 MOST_FRAMES, MOST_POINTS = 101, 2_500_000  # drawn; points are those of the membrane in all frames
 FEWEST = 5
-SEQUENTIAL, DIVERGING = "cividis", "PuOr_r"  # both for eyes that see colours in any way
 SHADES = 32
-CATEGORIES = (
-    "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#5A5A5A",
-)  # fmt: skip
+RUNS = "#0072B2", "#E69F00", "#009E73", "#CC79A7"  # curves of runs, for eyes that see in any way
 
 
 class Record(NamedTuple):
@@ -128,12 +126,14 @@ def fitting(points: int) -> int:
 
 
 def scales() -> dict[str, list[str]]:
-    """Colours of the page: from low to high, from negative to positive, and of things apart."""
+    """Colours of the page, from low to high: those of snapshots; of clones, and of runs."""
+    shown = {name: colouring.colours for name, colouring in COLOURINGS.items()}
     shades = {
         name: [to_hex(colormaps[scale](n / (SHADES - 1))) for n in range(SHADES)]
-        for name, scale in (("sequential", SEQUENTIAL), ("diverging", DIVERGING))
+        for name, scale in {**shown, "below": shown["height"]}.items()
     }
-    return {**shades, "categories": list(CATEGORIES)}
+    clones = colormaps[CLONES]
+    return {**shades, "clones": [to_hex(clones(n)) for n in range(clones.N)], "runs": list(RUNS)}
 
 
 def _events(events: Events | None) -> tuple[dict[str, NDArray[Any]], dict[str, list[str]]]:
