@@ -49,6 +49,12 @@ def test_memory_and_disk_are_those_of_a_run():
     assert expected.memory == pytest.approx(172e6, rel=0.1)
 
 
+def test_a_calibration_begins_with_the_shipped_rates():
+    """What it times takes as long as they say, on the machine where they were measured."""
+    scene = Scene.load(cost.TIMED).replace(**cost.TIMED_KEYS)
+    assert pytest.approx(estimate(scene, SHIPPED).first_step, rel=0.3) == cost.TIMED_STEP
+
+
 def test_a_calibration_scales_all_estimates(cache, monkeypatch):
     scene = Scene.load("two-cells")
     shipped = estimate(scene)

@@ -42,7 +42,7 @@ class Rates:
     rebuild: float = 6.7e-7
     frame: float = 1.05e-2
     start: float = 1.7
-    packed: float = 9.0e-4
+    packed: float = 4.5e-4
 
     def times(self, running: float, starting: float) -> Rates:
         """Those of a machine on which a run, and its start, take so many times longer."""
