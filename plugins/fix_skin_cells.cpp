@@ -66,8 +66,8 @@ FixSkinCells::~FixSkinCells()
 
 int FixSkinCells::setmask()
 {
-  return POST_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE | PRE_REVERSE |
-      MIN_PRE_NEIGHBOR | MIN_PRE_FORCE | MIN_PRE_REVERSE | END_OF_STEP;
+  return POST_INTEGRATE | PRE_EXCHANGE | PRE_NEIGHBOR | PRE_FORCE | PRE_REVERSE | POST_FORCE |
+      MIN_PRE_NEIGHBOR | MIN_PRE_FORCE | MIN_PRE_REVERSE | MIN_POST_FORCE | END_OF_STEP;
 }
 
 /* ---------------------------------------------------------------------- */

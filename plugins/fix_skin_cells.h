@@ -33,9 +33,11 @@ class FixSkinCells : public Fix {
   void pre_neighbor() override;
   void pre_force(int) override;
   void pre_reverse(int, int) override;
+  void post_force(int) override { put_back_left(); }
   void min_pre_neighbor() override;
   void min_pre_force(int) override;
   void min_pre_reverse(int, int) override;
+  void min_post_force(int) override { put_back_left(); }
   void end_of_step() override;
   void post_run() override;
   void write_restart(FILE *) override;

@@ -24,7 +24,8 @@ void FixSkinCells::pre_force(int /*vflag*/)
 
 /* ----------------------------------------------------------------------
    a cell that was seen to have left waits for the event step that removes it, and no force knows
-   of it: while forces are computed it is far above the box, and far from all others that are there
+   of it: while forces are computed it is far above the box, and far from all others that are
+   there. With a bond that the user has given it, it stays where it is.
 ------------------------------------------------------------------------- */
 
 void FixSkinCells::take_away_left()
@@ -34,7 +35,7 @@ void FixSkinCells::take_away_left()
   int mine = 0;
   for (size_t k = 0; k < cells.list.size(); k++) {
     const int i = cells.list[k];
-    if (!cells.left_before(i, now)) continue;
+    if (!cells.left_before(i, now) || pairs.is_bonded(i)) continue;
     away[k] = atom->x[i][2];
     atom->x[i][2] += (1.0 + (double) atom->tag[i]) * domain->prd[2];
     mine = 1;
@@ -43,13 +44,16 @@ void FixSkinCells::take_away_left()
   if (any_away) comm->forward_comm();
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   after forces; Monte Carlo fixes, which want energies alone, do without the reverse communication
+------------------------------------------------------------------------- */
 
 void FixSkinCells::put_back_left()
 {
   if (!any_away) return;
   for (size_t k = 0; k < away.size(); k++)
     if (is_away(k)) atom->x[cells.list[k]][2] = away[k];
+  any_away = 0;
   comm->forward_comm();
 }
 

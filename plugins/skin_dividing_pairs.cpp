@@ -214,6 +214,17 @@ bool SkinDividingPairs::have_bond(tagint id, tagint other) const
 }
 
 /* ----------------------------------------------------------------------
+   whether the user has given a cell of mine a bond, stored with it or with the other
+------------------------------------------------------------------------- */
+
+bool SkinDividingPairs::is_bonded(int i) const
+{
+  const int own = cells.state.pair[i] != 0;
+  const int j = own ? cells.owned_index(cells.state.pair[i]) : -1;
+  return atom->num_bond[i] > 0 || atom->nspecial[i][0] > own || (j >= 0 && atom->num_bond[j] > 0);
+}
+
+/* ----------------------------------------------------------------------
    the cells of a dividing pair are special neighbors of each other, as if there were a bond
    between them: the pair styles do not see them. Those that are special for a bond stay.
 ------------------------------------------------------------------------- */

@@ -55,6 +55,10 @@ class SkinDividingPairs : protected Pointers {
 
   void dissolve(const SkinCellEvent &);
 
+  // whether the user has given a cell of mine a bond
+
+  bool is_bonded(int i) const;
+
   // both cells of each pair name each other, on whatever ranks they are
 
   void check() const;

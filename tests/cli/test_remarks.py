@@ -11,17 +11,17 @@ END, DUMP, STEP = "end_time", "output.dump_interval", "numerics.timestep"
 @pytest.mark.parametrize(
     ("changes", "timestep", "said"),
     [
-        ({}, 1.0, []),
-        ({DUMP: 0.0, END: 1000.0}, 1.0, []),
+        ({}, 0.5, []),
+        ({DUMP: 0.0, END: 1000.0}, 0.5, []),
         (
             {END: 333.33}, 0.01,
-            ["numerics.timestep = 0.01 instead of 1, which does not fit end_time = 333.33: "
-             "100 times as many steps; multiples of 1 fit"],
+            ["numerics.timestep = 0.01 instead of 0.5, which does not fit end_time = 333.33: "
+             "50 times as many steps; multiples of 0.5 fit"],
         ),
         (
             {END: 100.1, DUMP: 3.3}, 0.1,
-            ["numerics.timestep = 0.1 instead of 1, which does not fit end_time = 100.1 and "
-             "output.dump_interval = 3.3: 10 times as many steps; multiples of 1 fit"],
+            ["numerics.timestep = 0.1 instead of 0.5, which does not fit end_time = 100.1 and "
+             "output.dump_interval = 3.3: 5 times as many steps; multiples of 0.5 fit"],
         ),
         (
             {END: 321.0, "numerics.accuracy": "fast"}, 1.0,
@@ -30,8 +30,8 @@ END, DUMP, STEP = "end_time", "output.dump_interval", "numerics.timestep"
         ),
         # what no timestep fits shortens none
         (
-            {END: 333.3333}, 1.0,
-            ["end_time = 333.333: is no whole number of steps of 1, and becomes 333"],
+            {END: 333.3333}, 0.5,
+            ["end_time = 333.333: is no whole number of steps of 0.5, and becomes 333.5"],
         ),
         (
             {END: 333.33, STEP: 0.25}, 0.25,
@@ -68,4 +68,4 @@ def test_commands_that_say_it(command, skin):
     given = (*SMALL, "--set", "end_time=2.03", "--set", "output.dump_interval=1")
     more = ("--seeds", "1") if command == "ensemble" else ()
     out = skin(command, "bare-membrane", *given, *more).out
-    assert "numerics.timestep = 0.01 instead of 1, which does not fit end_time = 2.03" in out
+    assert "numerics.timestep = 0.01 instead of 0.5, which does not fit end_time = 2.03" in out

@@ -31,7 +31,7 @@ def test_a_small_patch(tmp_path: Path) -> None:
     table = observables(tmp_path)
     assert at(table, "coverage", [250.0, 400.0]).min() > 0.95
     assert at(table, "none_below", [250.0, 400.0]).min() >= LAYER
-    assert table["most_on_particle"].max() <= 4
+    assert table["most_on_particle"].max() <= 7  # as many as eight runs of `reference` have
 
 
 @pytest.mark.slow

@@ -31,7 +31,7 @@ KEYS = {
     "end_time": 24.0,
     "membrane": {"lattice": [24, 28], "height": 8.0},
     "cells": {
-        "seed": 27, "stem": 2, "nd": 1, "arrangement": "random", "generations": 2,
+        "seed": 2, "stem": 2, "nd": 1, "arrangement": "random", "generations": 2,
         "cycle_delay": 2.0, "cycle_rate": 1.0, "first_phase": 2.0, "division_rate": 1.0,
     },
     "output": {"dump_interval": 2.0, "checkpoint_interval": 4.0},
