@@ -131,8 +131,8 @@ class Provenance:
         self._action = action
 
     def end(self) -> None:
-        """Tell how the activity has ended, if it has begun."""
-        if not self._action:
+        """Tell how the activity has ended, if it has begun and its directory is still there."""
+        if not self._action or not self._directory.is_dir():
             return
         status = STATUS.format("Failed" if self.error else "Completed")
         self._action |= {"endTime": _now(), "actionStatus": status}
