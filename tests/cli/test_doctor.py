@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from lammps_skin.cli import doctor
+from lammps_skin.cli.output import console
 
 from tests.conftest import Answer
 
@@ -16,7 +17,7 @@ LOADED = "engine._load_mpi()\n"
 
 def test_a_sound_installation(skin: Callable[..., Answer], monkeypatch: pytest.MonkeyPatch) -> None:
     """It runs on one rank and on two, and names the versions."""
-    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setattr(console, "_width", 200)
     answer = skin("doctor")
     assert answer.code == 0, answer.out
     assert "fault" not in answer.out
@@ -65,7 +66,7 @@ def test_faults(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     """A fault is a row with what to do, exit code 1, and then nothing is run."""
-    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setattr(console, "_width", 200)
     monkeypatch.setattr(doctor, "CHECKS", [getattr(doctor, CHECKED[fault])])
     fault(monkeypatch)
     answer = skin("doctor")
