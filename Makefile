@@ -69,7 +69,7 @@ clean:
 	find plugins pyscripts tests -type d -name __pycache__ -prune -exec rm -rf {} +
 
 $(INSTALLED): $(BIN)/python $(SOURCES)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check ".[test,docs,report]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check ".[test,study,docs,report]"
 	@touch $@
 
 $(BIN)/python:

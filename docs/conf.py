@@ -39,11 +39,20 @@ class SkinCommands(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         group = get_command(application(*COMMANDS))
-        text = "\n".join(_reference(name, group.commands[name]) for name in COMMANDS)
+        text = "\n".join(
+            _reference(f"{name} {below}".strip(), command, summary if not below else command.help)
+            for name, summary in COMMANDS.items()
+            for below, command in _with_subcommands(group.commands[name])
+        )
         return self.parse_text_to_nodes(text, allow_section_headings=True)
 
 
-def _reference(name: str, command: Any) -> str:
+def _with_subcommands(command: Any) -> list[tuple[str, Any]]:
+    """A command without a name, and all below it with theirs."""
+    return [("", command), *getattr(command, "commands", {}).items()]
+
+
+def _reference(name: str, command: Any, summary: str) -> str:
     """A subcommand as Markdown."""
     context = command.make_context(name, [], resilient_parsing=True)
     usage = " ".join(command.collect_usage_pieces(context))
@@ -51,7 +60,7 @@ def _reference(name: str, command: Any) -> str:
     rows = [f"| `{option}` | {_cell(meaning)} |" for option, meaning in records]
     head = ["| option | |", "| --- | --- |"] if rows else []
     return "\n".join(
-        [_index([f"skin {name}"]), f"## skin {name}", "", COMMANDS[name], "",
+        [_index([f"skin {name}"]), f"## skin {name}", "", summary, "",
          "```", f"skin {name} {usage}", "```", "", *head, *rows, ""]
     )  # fmt: skip
 

@@ -13,8 +13,11 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
 from lammps_skin.run.evaluate import SHORT
 from lammps_skin.start.build import INTERVENTIONS, SCRIPTS
+from lammps_skin.study.studies.design import Design
 from pages import BY_NAME, PAGES, ROOT, codes, commands, fences, rows, section, text
 from typer.main import get_command
+
+STUDIES = "studies.md"
 
 # ---- links
 
@@ -63,7 +66,11 @@ def test_skin_commands_parse() -> None:
         if name.startswith("-"):
             assert name in {option for one in group.params for option in one.opts}, name
             continue
-        context = group.commands[name].make_context(name, list(words))
+        command = group.commands[name]
+        context = command.make_context(name, list(words))
+        if below := getattr(command, "commands", None):
+            asked, *words = words if words[0] in below else ("run", *words)
+            context = below[asked].make_context(asked, words)
         source = context.params.get("source") or context.params.get("scene")
         if source in BUILT_IN:
             settings = context.params["parameters"], context.params["settings"]
@@ -81,10 +88,18 @@ def test_lmp_commands_name_variables() -> None:
 
 
 def test_toml_examples_are_scenes() -> None:
-    blocks = [block for name in BY_NAME for block in fences(name, "toml")]
+    blocks = [block for name in BY_NAME if name != STUDIES for block in fences(name, "toml")]
     assert blocks
     for block in blocks:
         Scene.from_dict(tomllib.loads(block))
+
+
+def test_toml_examples_of_studies(tmp_path: Path) -> None:
+    blocks = fences(STUDIES, "toml")
+    assert text("docs/examples/adhesion.toml").endswith(blocks[0])
+    for block in blocks:
+        (tmp_path / "study.toml").write_text(block)
+        assert len(Design.load(tmp_path / "study.toml").points) > 1
 
 
 def test_terms_of_evaluate() -> None:

@@ -28,6 +28,7 @@ COMMANDS = {
     "watch": "Watch a run as it goes on, in the terminal and in a browser.",
     "ensemble": "Run scenes with many seeds, and store the observables of each run.",
     "compare": "Show runs or ensembles side by side, with tests between them.",
+    "study": "Vary a scene, with many seeds of each point: from a question to an answer.",
     "claims": "Test the paper's claims on the tables of ensembles.",
     "snapshot": (
         "Draw a run at a time: in three dimensions, as maps, as a vertical section, as a tree."
@@ -38,7 +39,7 @@ COMMANDS = {
     "stability": "Map the longest stable timesteps, by bisection, beside estimates.",
     "doctor": "Check the installation, and say what to do where it does not work.",
 }
-"""The subcommands, each a function in a module of its name, and what `skin --help` says of them."""
+"""The subcommands, in modules of their names, and what `skin --help` says of them."""
 
 COMPLETING = "_SKIN_COMPLETE"
 """Variable by which a shell asks for completions of what has been typed."""
@@ -50,7 +51,11 @@ def application(*names: str) -> typer.Typer:
     app.callback(invoke_without_command=True)(help_alone)
     for name, summary in COMMANDS.items():
         module = import_module(f"{__name__}.{name}") if name in names else None
-        app.command(name, help=summary)(getattr(module, name, _not_loaded))
+        command = getattr(module, name, _not_loaded)
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=name, help=summary)
+        else:
+            app.command(name, help=summary)(command)
     return app
 
 

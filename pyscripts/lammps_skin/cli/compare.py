@@ -56,11 +56,10 @@ def compare(
     """Show runs, ensembles or points of studies side by side, with tests between them."""
     from lammps_skin.figures.snapshot import check_output
     from lammps_skin.study.claims.report import check_names
-    from lammps_skin.study.claims.tables import Window
     from lammps_skin.study.compare.comparison import usual_columns
     from lammps_skin.study.compare.conditions import read
     from lammps_skin.study.compare.report import FORMATS, Report, table, write
-    from lammps_skin.study.tradeoff.bias import windows_of
+    from lammps_skin.study.ranges import windows_of
 
     check_names(output or [], FORMATS)
     if against is not None and plot is None:
@@ -72,7 +71,7 @@ def compare(
     places = {} if against is None else {one.name: one.value_of(against) for one in found}
     names = usual_columns(found) if columns is None else columns.split(",")
     found = [one.with_columns(names) for one in found]
-    times = [Window(*window) for window in windows_of(windows, min(one.end for one in found))]
+    times = windows_of(windows, min(one.end for one in found))
     report = Report.of(found, names, times)
     for line in report.settings:
         console.print(line)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +13,7 @@ from lammps_skin.cli.options import (
     Accuracy,
     Jobs,
     Parameters,
+    Scheduler,
     Settings,
     scene_from,
     scenes_beginning,
@@ -21,13 +23,13 @@ from lammps_skin.cli.progress import Progress
 from lammps_skin.engine.machine import cores
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.model.remarks import remarks
+from lammps_skin.study.ranges import seeds_of
 
 if TYPE_CHECKING:
     from lammps_skin.study.ensemble import Member
 
 FAILED = 1
 INTERRUPTED = 130
-MOST_SEEDS = 10_000
 
 
 def ensemble(
@@ -48,6 +50,7 @@ def ensemble(
         list[Path] | None,
         typer.Option("--from", metavar="RUN", help="Directory of a finished run to take in."),
     ] = None,
+    scheduler: Scheduler = None,
     keep: Annotated[bool, typer.Option("--keep", help="Keep the run directories.")] = False,
     parameters: Parameters = None,
     accuracy: Accuracy = None,
@@ -81,7 +84,8 @@ def ensemble(
     console.print(f"{counted(len(members), 'run')}, {len(members) - len(todo)} of them there")
     try:
         if todo:
-            failures |= run_members(todo, jobs, keep)
+            failed = run_members(todo, jobs, keep, scheduler)
+            failures |= {member.label: text for member, text in failed.items()}
     except KeyboardInterrupt:
         console.print("interrupted; the same command goes on with what is missing")
         raise typer.Exit(INTERRUPTED) from None
@@ -100,16 +104,22 @@ def ensemble(
         raise typer.Exit(FAILED)
 
 
-def run_members(todo: list[Member], jobs: int | None, keep: bool) -> dict[str, str]:
-    """Run with a progress bar, by default as many at a time as cores; what failed, by label."""
-    from lammps_skin.study.ensemble import expected_seconds, run_all
+def run_members(
+    todo: Sequence[Member], jobs: int | None, keep: bool, scheduler: str | None = None
+) -> dict[Member, str]:
+    """Run with a progress bar, by default as many at a time as cores; what failed, and why."""
+    from lammps_skin.study.ensemble import expected_seconds
+    from lammps_skin.study.runner import run_all
 
     together = min(jobs or cores(), len(todo))
-    warn_of_crowding(together, "run")
-    seconds = expected_seconds(todo) / min(together, cores())
-    console.print(
-        f"{len(todo)} to do, {together} at a time: about {duration(seconds)} on idle cores"
-    )
+    seconds = expected_seconds(todo)
+    if scheduler is None:
+        warn_of_crowding(together, "run")
+        seconds /= min(together, cores())
+        where = f"{together} at a time: about {duration(seconds)} on idle cores"
+    else:
+        where = f"by the workers of {scheduler}: about {duration(seconds)} of one core"
+    console.print(f"{len(todo)} to do, {where}")
     reached: dict[Member, float] = {}
     with Progress(sum(member.scene.end_time for member in todo)) as progress:
 
@@ -118,22 +128,4 @@ def run_members(todo: list[Member], jobs: int | None, keep: bool) -> dict[str, s
             ended = sum(time >= member.scene.end_time for member, time in reached.items())
             progress.show(sum(reached.values()), f"{ended} of {counted(len(todo), 'run')}")
 
-        failed = run_all(todo, together, keep, show)
-    return {member.label: text for member, text in failed.items()}
-
-
-def seeds_of(text: str) -> list[int]:
-    """Seeds of a list of numbers and ranges."""
-    found: list[int] = []
-    for part in text.split(","):
-        first, dash, last = part.strip().partition("-")
-        if not (first.isdecimal() and (last.isdecimal() or not dash)):
-            raise SceneError(f"--seeds {text}: must be numbers and ranges, such as 1-8 or 1,3,5-7")
-        begin, end = int(first), int(last or first)
-        if not 1 <= begin <= end < begin + MOST_SEEDS:
-            raise SceneError(
-                f"--seeds {text}: {part.strip()} must ascend from at least 1, and hold no more "
-                f"than {MOST_SEEDS:,} seeds"
-            )
-        found += range(begin, end + 1)
-    return sorted(set(found))
+        return run_all(todo, together, keep, show, scheduler)

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from lammps_skin.cli.ensemble import run_members, seeds_of
+from lammps_skin.cli.ensemble import run_members
 from lammps_skin.cli.options import Accuracy, Jobs, Parameters, Settings, scene_from
 from lammps_skin.cli.output import console, counted, duration, print_table
 from lammps_skin.cli.snapshot import Print
 from lammps_skin.engine.machine import cores
 from lammps_skin.errors import FigureError
+from lammps_skin.study.ranges import seeds_of
 
 if TYPE_CHECKING:
     from lammps_skin.figures.paper import Request
@@ -102,5 +103,5 @@ def _run(request: Request, jobs: int | None, yes: bool) -> None:
         if not typer.confirm(f"{need}. Start them?"):
             raise FigureError(f"{need}; none was started")
     failed = run_members(missing, jobs, request.figure.of == "run")
-    for label, text in failed.items():
-        raise FigureError(f"figure {request.number}: {label}: {text}")
+    for member, text in failed.items():
+        raise FigureError(f"figure {request.number}: {member.label}: {text}")

@@ -49,6 +49,13 @@ Jobs = Annotated[
     int | None,
     typer.Option(min=1, max=4096, help="Runs at a time [default: as many as cores]."),
 ]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Of a scheduler of dask, whose workers run them [default: processes of this machine].",
+    ),
+]
 Accuracy = Annotated[
     str | None,
     typer.Option(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from lammps_skin.cli.ensemble import FAILED, INTERRUPTED, run_members, seeds_of
+from lammps_skin.cli.ensemble import FAILED, INTERRUPTED, run_members
 from lammps_skin.cli.options import (
     Jobs,
     Parameters,
@@ -22,10 +22,12 @@ from lammps_skin.cli.output import console, print_table
 from lammps_skin.cli.progress import Progress
 from lammps_skin.errors import SceneError
 from lammps_skin.model.stiffness import evaluations
+from lammps_skin.study.ranges import Window, seeds_of, windows_of
 from lammps_skin.study.tradeoff.grid import Grid, Variant, variants
 
 if TYPE_CHECKING:
-    from lammps_skin.study.tradeoff.bias import Bias, Window
+    from lammps_skin.study.ensemble import Member
+    from lammps_skin.study.tradeoff.bias import Bias
     from lammps_skin.study.tradeoff.measure import Measurements
     from lammps_skin.study.tradeoff.report import Report
 
@@ -82,11 +84,11 @@ def tradeoff(
     for reason in left_out:
         console.print(f"left out: {reason}")
     numbers = seeds_of(seeds)
-    times = bias.windows_of(windows, scene.end_time)
+    times = windows_of(windows, scene.end_time)
     if not quick:
         bias.check_ensemble(found[0], numbers)
     measurements = measure.Measurements(scene, output / "measured", start, interval)
-    failures: dict[str, str] = {}
+    failures: dict[Member, str] = {}
     try:
         _measure(measurements, found)
         if not (quick or present):
@@ -104,8 +106,8 @@ def tradeoff(
     biases = {} if quick else _biases(found, numbers, data, times)
     report = _report(measurements, found, start, biases)
     _show(report, output, scene.name)
-    for label, text in failures.items():
-        console.print(f"failed: {label}: {text}")
+    for member, text in failures.items():
+        console.print(f"failed: {member.label}: {text}")
     if failures:
         raise typer.Exit(FAILED)
 

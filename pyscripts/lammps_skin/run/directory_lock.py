@@ -18,6 +18,10 @@ PATIENCE = 10.0  # seconds for the ranks of a killed run to end
 _held: set[int] = set()  # descriptors of this process, which its forks do not hold with it
 
 
+class DirectoryBusy(SimulationError):
+    """Another process goes on with a run."""
+
+
 class DirectoryLock:
     """A directory that nobody else runs in until `close`; a context manager that closes it.
 
@@ -40,7 +44,7 @@ class DirectoryLock:
     ------
     SceneError
         If the directory cannot be made or read.
-    SimulationError
+    DirectoryBusy
         If another process goes on with it; ranks outlive a killed run for some steps.
     """
 
@@ -51,7 +55,7 @@ class DirectoryLock:
         try:
             while (descriptor := self._try(make)) is None:
                 if time.monotonic() > deadline:
-                    raise SimulationError(
+                    raise DirectoryBusy(
                         f"directory {directory}: another process still runs in it"
                     )
                 time.sleep(0.05)

@@ -14,16 +14,11 @@ import json
 import os
 import re
 import shutil
-import signal
-import threading
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import islice
-from multiprocessing import get_context
-from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.lib import recfunctions
@@ -39,7 +34,6 @@ from lammps_skin.analysis.observables import (
 )
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.arrays import Floats
-from lammps_skin.engine.machine import LIMIT, cores
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.directory_lock import DirectoryLock
@@ -132,12 +126,22 @@ class Member:
             with self._simulation(lock) as simulation:
                 simulation.run(progress=report, every=self.scene.end_time / REPORTS)
             self.store(self.directory)
+            self.note("done")
             if not keep:
-                shutil.rmtree(self.directory)
+                self.tidy()
+
+    def tidy(self) -> None:
+        """Remove what is not needed once the observables are stored."""
+        shutil.rmtree(self.directory)
+
+    def note(self, event: str, error: str = "") -> None:
+        """Note that the run has begun, is resumed, done or failed; an ensemble keeps no history."""
 
     def _simulation(self, lock: DirectoryLock) -> Simulation:
         if not holds_results(self.directory):
+            self.note("begun")
             return Simulation.begin(self.scene, self.directory, ranks=None, lock=lock)
+        self.note("resumed")
         try:
             return Simulation.resume(self.directory, ranks=None, lock=lock)
         except SkinError as error:
@@ -198,98 +202,6 @@ def member_of(directory: Path, folder: Path) -> Member:
         if isinstance(frames, Store):
             made_by = {name: frames.versions.get(name, "unknown") for name in made_by}
         return Member(run.scene, folder, tuple(made_by.items()))
-
-
-# ---- running
-
-
-class Running(NamedTuple):
-    """A run in a process of its own."""
-
-    member: Member
-    process: Any
-
-
-def run_all(
-    todo: Sequence[Member],
-    jobs: int = 1,
-    keep: bool = False,
-    progress: Callable[[Member, float], None] | None = None,
-) -> dict[Member, str]:
-    """Run members in processes, `jobs` at a time, which share the cores.
-
-    Parameters
-    ----------
-    todo : sequence of Member
-    jobs : int
-    keep : bool
-        Keep the run directories.
-    progress : callable, optional
-        Called as ``progress(member, time)`` with the time that a run has reached.
-
-    Returns
-    -------
-    dict of Member to str
-        What went wrong in the runs that failed; their directories are kept.
-    """
-    context = get_context("spawn")
-    waiting, failures = list(reversed(todo)), {}
-    share = max(cores() // max(min(jobs, len(todo)), 1), 1)
-    running: dict[Connection, Running] = {}
-    former = signal.getsignal(signal.SIGTERM)
-    if former == signal.SIG_DFL and threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGTERM, _terminate)
-    try:
-        while waiting or running:
-            while waiting and len(running) < jobs:
-                member = waiting.pop()
-                receiver, sender = context.Pipe(duplex=False)
-                work = (member, keep, share, sender)
-                process = context.Process(target=_work, args=work, daemon=True)
-                process.start()
-                sender.close()
-                running[receiver] = Running(member, process)
-            for connection in wait(list(running)):
-                assert isinstance(connection, Connection)
-                member, process = running[connection]
-                try:
-                    news = connection.recv()
-                except EOFError:
-                    process.join()
-                    news = f"its process ended with exit code {process.exitcode}"
-                if isinstance(news, float):
-                    if progress:
-                        progress(member, news)
-                    continue
-                if news is not None:
-                    failures[member] = news
-                del running[connection]
-                connection.close()
-                process.join()
-    finally:
-        for _, process in running.values():
-            process.terminate()
-            process.join()
-        if signal.getsignal(signal.SIGTERM) is _terminate:
-            signal.signal(signal.SIGTERM, former)
-    return failures
-
-
-def _terminate(number: int, _: object) -> None:
-    """End this process as a signal would, but not before its children."""
-    raise SystemExit(128 + number)
-
-
-def _work(member: Member, keep: bool, share: int, sender: Connection) -> None:
-    """In a process with a share of the cores: times as they are reached, then None or an error."""
-    os.environ[LIMIT] = str(share)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its children
-    try:
-        member.run(keep, lambda time: sender.send(float(time)))
-        sender.send(None)
-    except (SkinError, OSError) as error:
-        with suppress(OSError):  # nobody is there any more
-            sender.send(str(error))
 
 
 # ---- results

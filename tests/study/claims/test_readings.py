@@ -14,7 +14,8 @@ from lammps_skin.errors import SkinError
 from lammps_skin.model.scene import Scene
 from lammps_skin.study.claims import readings_levels, readings_page
 from lammps_skin.study.claims.readings import Reading, choose, named, read, stiffness_series
-from lammps_skin.study.claims.tables import Ensemble, Window
+from lammps_skin.study.claims.tables import Ensemble
+from lammps_skin.study.ranges import Window
 from numpy.lib import recfunctions
 
 from tests.pages import ROOT, text

@@ -13,8 +13,9 @@ from lammps_skin.analysis.observables import write_table
 from lammps_skin.study.claims import report
 from lammps_skin.study.claims.catalogue import CLAIMS
 from lammps_skin.study.claims.rules import FEWEST_SEEDS, POSITIVE, Finding, Word
-from lammps_skin.study.claims.tables import Ensemble, Window, layer_remarks, load
+from lammps_skin.study.claims.tables import Ensemble, layer_remarks, load
 from lammps_skin.study.ensemble import scene_of
+from lammps_skin.study.ranges import Window
 from numpy.lib import recfunctions
 
 from tests.pages import ROOT, rows, section, text

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from lammps_skin.study.claims.catalogue import CLAIMS, judge_all
 from lammps_skin.study.claims.rules import POSITIVE, Finding, Range, Word, judge, word
-from lammps_skin.study.claims.tables import Window
+from lammps_skin.study.ranges import Window
 
 from tests.study.claims.made_up import Change, ensembles, ramp
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from lammps_skin.analysis.statistics import holm, seeds_needed
 from lammps_skin.errors import SkinError
-from lammps_skin.study.claims.tables import Window
 from lammps_skin.study.compare.comparison import (
     PAIRED,
     WELCH,
@@ -18,6 +17,7 @@ from lammps_skin.study.compare.comparison import (
     usual_columns,
 )
 from lammps_skin.study.compare.conditions import Condition
+from lammps_skin.study.ranges import Window
 
 TIMES = np.arange(0.0, 100.0, 2.0)
 MEMORY = 0.95  # correlation of successive frames

@@ -20,10 +20,10 @@ from lammps_skin.study.ensemble import (
     member_of,
     members,
     over_time,
-    run_all,
     window_mean,
     window_means,
 )
+from lammps_skin.study.runner import _share, run_all, run_share
 from lammps_skin.versions import versions
 
 
@@ -80,7 +80,7 @@ def test_runs_that_begin_elsewhere(scene, tmp_path):
         for run, time in (("parent", 1.0), ("copy", 1.0), ("copy", 1.5))
     )  # fmt: skip
     assert one.key == same.key != other.key
-    run_all([one], jobs=1)
+    one.run()
     assert read_table(one.table)["time"][0] == 1.0
 
     heights = []
@@ -119,21 +119,18 @@ def crash(*_):
 
 
 def test_a_process_that_dies_is_a_failure(scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("lammps_skin.study.ensemble._work", crash)
+    monkeypatch.setattr("lammps_skin.study.runner._tell", crash)
     (member,) = members([scene], [1], tmp_path)
-    assert run_all([member]) == {member: "its process ended with exit code 7"}
+    assert run_share([member]) == {member: "its process ended with exit code 7"}
 
 
-def tell_share(member, keep, share, sender):
-    sender.send(str(share))
-
-
-@pytest.mark.parametrize(("jobs", "share"), [(1, "6"), (2, "3"), (9, "3")])
-def test_runs_share_the_cores(jobs, share, scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("lammps_skin.study.ensemble._work", tell_share)
-    monkeypatch.setattr("lammps_skin.study.ensemble.cores", lambda: 6)
-    both = members([scene], [1, 2], tmp_path)
-    assert run_all(both, jobs=jobs) == dict.fromkeys(both, share)
+@pytest.mark.parametrize(("processes", "share"), [(1, "6"), (2, "3"), (9, "1")])
+def test_runs_share_the_cores(processes, share, monkeypatch):
+    monkeypatch.setenv("LAMMPS_SKIN_CORES", "6")
+    monkeypatch.setattr("lammps_skin.study.runner.cores", lambda: 6)
+    with _share(processes):
+        assert os.environ["LAMMPS_SKIN_CORES"] == share
+    assert os.environ["LAMMPS_SKIN_CORES"] == "6"
 
 
 def test_a_killed_run_goes_on(scene, tmp_path):

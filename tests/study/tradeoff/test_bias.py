@@ -5,7 +5,8 @@ import pytest
 from lammps_skin.analysis.observables import COLUMNS
 from lammps_skin.analysis.statistics import seeds_needed
 from lammps_skin.errors import SceneError
-from lammps_skin.study.tradeoff.bias import EFFECT, biases, root_mean_square, windows_of
+from lammps_skin.study.ranges import windows_of
+from lammps_skin.study.tradeoff.bias import EFFECT, biases, root_mean_square
 from lammps_skin.study.tradeoff.plot import front
 from scipy.stats import ttest_ind
 

@@ -23,7 +23,8 @@ from lammps_skin.study.claims.rules import (
     around_zero,
     judge,
 )
-from lammps_skin.study.claims.tables import WINDOWS, Ensemble, Window
+from lammps_skin.study.claims.tables import WINDOWS, Ensemble
+from lammps_skin.study.ranges import Window
 
 STEM = ("ring", "cluster", "random")
 ND = ("nd-a", "nd-b", "nd-c", "nd-d")

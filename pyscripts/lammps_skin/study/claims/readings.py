@@ -21,7 +21,8 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import ARRANGEMENTS
 from lammps_skin.study.claims.catalogue import judge_all
 from lammps_skin.study.claims.rules import FEWEST_SEEDS, Ensembles, Verdict, Word
-from lammps_skin.study.claims.tables import END, LATER, Window, flat, load, set_keys
+from lammps_skin.study.claims.tables import END, LATER, flat, load, set_keys
+from lammps_skin.study.ranges import Window
 from lammps_skin.study.result_keys import physics
 
 SIZE = "quarter"

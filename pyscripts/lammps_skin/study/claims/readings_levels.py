@@ -12,7 +12,8 @@ from lammps_skin.arrays import Floats
 from lammps_skin.study.claims.catalogue import ND_EARLY, ND_LATE
 from lammps_skin.study.claims.readings import STIFFNESS, Reading
 from lammps_skin.study.claims.report import interval, level
-from lammps_skin.study.claims.tables import END, LATER, Ensemble, Window
+from lammps_skin.study.claims.tables import END, LATER, Ensemble
+from lammps_skin.study.ranges import Window
 from lammps_skin.study.tradeoff.report import markdown_table
 
 BLOCK = 100.0  # of long runs: what changes its sign within it is noise

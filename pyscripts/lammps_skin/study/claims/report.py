@@ -15,7 +15,8 @@ from lammps_skin.errors import SkinError
 from lammps_skin.files import atomic_write
 from lammps_skin.study.claims.catalogue import ND, judge_all
 from lammps_skin.study.claims.rules import CONFIDENCE, FEWEST_SEEDS, Finding, Verdict
-from lammps_skin.study.claims.tables import Ensemble, Window, layer_remarks, load, settings
+from lammps_skin.study.claims.tables import Ensemble, layer_remarks, load, settings
+from lammps_skin.study.ranges import Window
 from lammps_skin.study.tradeoff.report import Text, csv_text, markdown_table
 
 LEVELS = ("chi_H", "chi_G", "zeta", "sigma")

@@ -16,7 +16,8 @@ import numpy as np
 
 from lammps_skin.analysis.statistics import Mean, difference, mean
 from lammps_skin.arrays import Floats
-from lammps_skin.study.claims.tables import END, Ensemble, Window
+from lammps_skin.study.claims.tables import END, Ensemble
+from lammps_skin.study.ranges import Window
 
 FEWEST_SEEDS = 4  # of a scene, for a verdict
 CONFIDENCE = 0.95  # of intervals

@@ -9,7 +9,7 @@ import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,19 +20,10 @@ from lammps_skin.arrays import Floats
 from lammps_skin.errors import SkinError
 from lammps_skin.model.scenes import ARRANGEMENTS, BUILT_IN, SIZES
 from lammps_skin.study.ensemble import scene_of, window_means
+from lammps_skin.study.ranges import Window
 
 END = 1000.0  # of the paper's runs
 LATER = 500.0  # length of windows after it
-
-
-class Window(NamedTuple):
-    """Times from start to end, both included."""
-
-    start: float
-    end: float
-
-    def __str__(self) -> str:
-        return f"{self.start:g}-{self.end:g}" if self.start < self.end else f"{self.start:g}"
 
 
 WINDOWS = (Window(400, 600), Window(600, 800), Window(800, 1000))

@@ -12,8 +12,8 @@ from lammps_skin.analysis.observables import is_fraction, least
 from lammps_skin.analysis.statistics import Mean, difference, holm, mean, seeds_needed
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SkinError
-from lammps_skin.study.claims.tables import Window
 from lammps_skin.study.compare.conditions import Condition
+from lammps_skin.study.ranges import Window
 from lammps_skin.study.tradeoff.bias import COUNTS, EFFECT, MEANS, statistic
 
 ON_TIPS = ("stem_on_tips-stem_tips_expected", "nd_on_tips-nd_tips_expected")

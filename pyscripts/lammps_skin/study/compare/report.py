@@ -12,9 +12,9 @@ import numpy as np
 from lammps_skin.analysis.statistics import Mean
 from lammps_skin.analysis.summary import without_nan
 from lammps_skin.study.claims.report import write_text
-from lammps_skin.study.claims.tables import Window
 from lammps_skin.study.compare.comparison import Row, compare, remarks
 from lammps_skin.study.compare.conditions import Condition, differences
+from lammps_skin.study.ranges import Window
 from lammps_skin.study.tradeoff.report import Text, csv_text, markdown_table, number
 
 LEAST_CHANCE = 0.001  # that is written out

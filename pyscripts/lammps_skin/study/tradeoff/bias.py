@@ -14,6 +14,7 @@ from lammps_skin.analysis.statistics import mean, seeds_needed
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError
 from lammps_skin.study.ensemble import Member
+from lammps_skin.study.ranges import Window
 from lammps_skin.study.tradeoff.grid import Variant
 
 MEANS = (
@@ -22,8 +23,6 @@ MEANS = (
 )  # fmt: skip
 COUNTS = ("births", "deaths")  # since the start: what counts is how many more in a window
 EFFECT = 0.5  # difference to be seen, in standard deviations over seeds
-
-Window = tuple[float, float]
 
 
 class Bias(NamedTuple):
@@ -86,26 +85,6 @@ def tables(one: Variant, seeds: Sequence[int], folder: Path) -> dict[int, Table]
     """Tables of observables that are there, by seed."""
     members = {seed: member(one, seed, folder) for seed in seeds}
     return {seed: read_table(member.table) for seed, member in members.items() if member.done}
-
-
-def windows_of(text: str | None, end: float) -> list[Window]:
-    """Windows of a list of ranges; without one, before and long after crowding at t = 300."""
-    if text is None:
-        return [(0.3 * end, 0.6 * end), (0.8 * end, end)]
-    found = []
-    for part in text.split(","):
-        first, _, last = part.partition("-")
-        try:
-            window = float(first), float(last)
-        except ValueError:
-            window = (0.0, -1.0)
-        if not 0 <= window[0] < window[1] <= end:
-            raise SceneError(
-                f"--windows {text}: {part} must be two times such as 300-600, ascending, up to "
-                f"the end time, {end:g}"
-            )
-        found.append(window)
-    return found
 
 
 def biases(

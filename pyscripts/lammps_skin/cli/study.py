@@ -1,0 +1,296 @@
+"""``skin study``: from a question to an answer with error bars."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections import Counter
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from lammps_skin.cli.ensemble import FAILED, INTERRUPTED, run_members
+from lammps_skin.cli.options import Jobs, Scheduler
+from lammps_skin.cli.output import console, counted, duration, print_table
+from lammps_skin.errors import FigureError, SceneError
+from lammps_skin.model.remarks import remarks
+
+if TYPE_CHECKING:
+    from lammps_skin.analysis.statistics import Mean
+    from lammps_skin.study.ensemble import Member
+    from lammps_skin.study.studies.runs import Study
+
+
+class RunByDefault(TyperGroup):
+    """``skin study FILE`` is ``skin study run FILE``."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the word in front of what names no subcommand."""
+        if args and args[0] not in (*self.commands, "--help"):
+            args = ["run", *args]
+        rest: list[str] = super().parse_args(ctx, args)
+        return rest
+
+
+study = typer.Typer(cls=RunByDefault, no_args_is_help=True, rich_markup_mode=None)
+
+File = Annotated[Path, typer.Argument(metavar="FILE", help="TOML file of a study.")]
+Folder = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="DIR", help="Folder [default: studies/NAME]."),
+]
+Columns = Annotated[
+    str | None,
+    typer.Option(metavar="NAMES", help="Observables, such as zeta,chi_H-chi_H_nd."),
+]
+
+
+@study.command()
+def run(
+    file: File,
+    output: Folder = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    share: Annotated[
+        str | None,
+        typer.Option(metavar="K/N", help="Run the K-th of N shares, without a scheduler."),
+    ] = None,
+    keep: Annotated[bool, typer.Option("--keep", help="Keep trajectories.")] = False,
+) -> None:
+    """Run what is missing of a study, and write its tables."""
+    from lammps_skin.study.runner import run_share
+    from lammps_skin.study.studies.tables import write_tables
+
+    asked = opened(file, output)
+    part = _share_of(share) if share else None
+    design = asked.design
+    todo = asked.missing(part)
+    console.print(
+        f"{counted(len(design.points), 'point')} with {counted(len(design.seeds), 'seed')}: "
+        f"{counted(len(asked.runs), 'run')}, {len(asked.runs) - len(asked.missing())} of them done"
+    )
+    for remark, label in {
+        text: point.label for point in reversed(design.points) for text in remarks(point.scene)
+    }.items():
+        console.print(f"{label}: {remark}")
+    asked.write_design()
+    failures: dict[Member, str] = {}
+    try:
+        if part is not None:
+            console.print(f"share {share}: {counted(len(todo), 'run')} to do")
+            failures = run_share(todo, keep)
+        elif todo:
+            failures = run_members(todo, jobs, keep, scheduler)
+    except KeyboardInterrupt:
+        console.print("interrupted; the same command goes on with what is missing")
+        raise typer.Exit(INTERRUPTED) from None
+    finally:
+        if part is None:
+            for path in write_tables(asked, failures):
+                console.print(str(path))
+    for one, text in failures.items():
+        console.print(f"failed: {one.directory.name}: {text}")
+    if failures:
+        raise typer.Exit(FAILED)
+
+
+@study.command()
+def slurm(
+    file: File,
+    tasks: Annotated[
+        int, typer.Option(min=1, max=10_000, help="Of the array, each with its share of the runs.")
+    ] = 16,
+    cpus: Annotated[int, typer.Option(min=1, max=1024, help="Cores of each task.")] = 1,
+    output: Folder = None,
+    script: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Where to write it [default: NAME.sh].")
+    ] = None,
+) -> None:
+    """Write an array script for Slurm, in which each task runs its share."""
+    from lammps_skin.files import atomic_write
+    from lammps_skin.study.ensemble import expected_seconds
+
+    asked = opened(file, output)
+    todo = asked.missing()
+    tasks = max(min(tasks, len(todo)), 1)
+    path = script or Path(f"{asked.design.name}.sh")
+    command = [str(Path(sys.executable).with_name("skin")), "study", "run", str(file.absolute())]
+    command += ["-o", str(asked.folder.absolute())]
+    lines = [
+        "#!/bin/sh",
+        f"#SBATCH --job-name={asked.design.name}",
+        f"#SBATCH --array=1-{tasks}",
+        "#SBATCH --ntasks=1",
+        f"#SBATCH --cpus-per-task={cpus}",
+        f"#SBATCH --output={asked.design.name}-%a.log",
+        "# the same script goes on with what is missing after a limit of time or a failure",
+        f"exec {shlex.join(command)} --share $SLURM_ARRAY_TASK_ID/{tasks}",
+    ]
+    try:
+        with atomic_write(path) as part:
+            part.write_text("\n".join(lines) + "\n", "utf-8")
+    except OSError as error:
+        raise SceneError(f"script {path}: {error.strerror}") from None
+    seconds = expected_seconds(todo) / tasks
+    console.print(
+        f"{path}: {counted(tasks, 'task')}, about {duration(seconds)} each on one core; start it "
+        f"with sbatch {path}"
+    )
+
+
+@study.command()
+def status(file: File, output: Folder = None) -> None:
+    """Show how far a study is."""
+    from lammps_skin.study.ensemble import expected_seconds
+    from lammps_skin.study.studies.runs import STATES
+
+    asked = opened(file, output)
+    states = {one.directory: one.state for one in asked.runs}
+    counts = [Counter(states[one.directory] for one in point.runs) for point in asked.points]
+    print_table(
+        ["point", *STATES],
+        [(point.point.label, *(str(count[state] or "") for state in STATES))
+         for point, count in zip(asked.points, counts, strict=True)],
+        right=True,
+    )  # fmt: skip
+    console.print()
+    todo = asked.missing()
+    console.print(f"{len(asked.runs) - len(todo)} of {counted(len(asked.runs), 'run')} done")
+    if todo:
+        console.print(f"to do: about {duration(expected_seconds(todo))} of one core")
+    for one in asked.runs:
+        if states[one.directory] == "failed":
+            console.print(f"failed: {one.directory.name}: {one.error}")
+
+
+@study.command()
+def show(file: File, columns: Columns = None, output: Folder = None) -> None:
+    """Show means over seeds of each point, with 95 % intervals."""
+    from lammps_skin.study.studies.answer import answers
+
+    asked, means, wanted = _answered(file, output, columns)
+    found = answers(asked.design, means, wanted)
+    for window in asked.design.windows:
+        console.print(f"t = {window}:")
+        cells = {(one.point, one.column): one.mean for one in found if one.window == window}
+        print_table(
+            ["point", "seeds", *wanted],
+            [
+                (point.label, str(max(cells[point.label, column].n for column in wanted)),
+                 *(_shown(cells[point.label, column]) for column in wanted))
+                for point in asked.design.points
+            ],
+            fold=True, whole=[0],
+        )  # fmt: skip
+        console.print()
+    _show_sensitivity(asked, means, wanted)
+
+
+@study.command()
+def plot(
+    file: File,
+    columns: Columns = None,
+    against: Annotated[
+        str | None,
+        typer.Option(
+            metavar="KEY",
+            help="time, condition, or a key that is varied [default: such a key, else time].",
+        ),
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE", help="Such as a.pdf, .svg, .png "
+                     "[default: NAME.png in the folder]."),
+    ] = None,
+    output: Folder = None,
+) -> None:  # fmt: skip
+    """Draw means with 95 % intervals over time, or against what is varied."""
+    from lammps_skin.figures.snapshot import save
+    from lammps_skin.study.studies import answer
+    from lammps_skin.study.studies.tables import read_courses
+
+    asked, means, wanted = _answered(file, output, columns)
+    axis = answer.against_of(asked.design, against)
+    if axis == answer.TIME:
+        courses = read_courses(asked.folder)
+        if not courses:
+            raise FigureError(f"study {file}: no run is done")
+        figure = answer.draw_over_time(courses, wanted)
+    else:
+        window = asked.design.windows[-1]
+        figure = answer.draw_against(asked.design, means, wanted, axis, window)
+    console.print(str(save(figure, picture or asked.folder / f"{asked.design.name}.png")))
+
+
+def opened(file: Path, output: Path | None) -> Study:
+    """The study of a file, with its folder."""
+    from lammps_skin.study.studies.design import Design
+    from lammps_skin.study.studies.runs import Study
+
+    design = Design.load(file)
+    asked = Study(design, output or Path("studies") / design.name)
+    assert asked.runs  # what cannot be is told before anything is written
+    return asked
+
+
+def _answered(
+    file: Path, output: Path | None, columns: str | None
+) -> tuple[Study, Any, list[str]]:
+    """A study whose tables are up to date, its means, and the columns that are wanted."""
+    from lammps_skin.study.studies.answer import SHOWN, check_columns
+    from lammps_skin.study.studies.tables import observables_of, read_means, write_tables
+
+    asked = opened(file, output)
+    wanted = ["".join(word.split()) for word in columns.split(",")] if columns else list(SHOWN)
+    check_columns(wanted, observables_of(asked))
+    asked.write_design()
+    write_tables(asked)
+    return asked, read_means(asked.folder), wanted
+
+
+def _show_sensitivity(asked: Study, means: Any, wanted: list[str]) -> None:
+    """Indices of Morris or Sobol, if the study is a sample of that kind and all points are done."""
+    import numpy as np
+
+    from lammps_skin.study.studies.answer import answers
+
+    sample = asked.design.sample
+    if sample is None or sample.method == "latin":
+        return
+    window = asked.design.windows[-1]
+    number = sample.number
+    for n, column in product(range(0, len(asked.design.points), number), wanted):
+        found = [one.mean.value for one in answers(asked.design, means, [column])
+                 if one.window == window]  # fmt: skip
+        what = asked.design.points[n].label.rpartition("sample")[0] + f"{column}, t = {window}"
+        results = np.array(found[n : n + number])
+        if np.isnan(results).any():
+            console.print(f"sensitivity of {what}: not all points have a value")
+            continue
+        heads, rows = sample.sensitivity(results)
+        console.print(f"sensitivity of {what}:")
+        print_table(
+            ["key", *heads],
+            [(key, *(f"{x:.3g}" for x in row))
+             for key, row in zip(sample.ranges, rows.tolist(), strict=True)],
+            right=True,
+        )  # fmt: skip
+        console.print()
+
+
+def _shown(mean: Mean) -> str:
+    if not mean.n:
+        return ""
+    interval = "" if mean.n < 2 else f" [{mean.low:.3g}, {mean.high:.3g}]"
+    return f"{mean.value:.3g}{interval}"
+
+
+def _share_of(text: str) -> tuple[int, int]:
+    """K and N of K/N."""
+    first, _, last = text.partition("/")
+    if not (first.isdecimal() and last.isdecimal() and 1 <= int(first) <= int(last)):
+        raise SceneError(f"--share {text}: must be K/N with K from 1 to N, such as 3/16")
+    return int(first), int(last)

@@ -1,0 +1,177 @@
+"""What a study answers: means over seeds with their intervals, by point; and pictures of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from lammps_skin.analysis.observables import Table, is_fraction, least
+from lammps_skin.analysis.statistics import Mean, mean
+from lammps_skin.arrays import Floats
+from lammps_skin.errors import SceneError
+from lammps_skin.model.scene_keys import near
+from lammps_skin.study.ranges import Window
+from lammps_skin.study.studies.design import Design
+from lammps_skin.style import plain
+
+MINUS = "-"  # between two columns: their difference
+SHOWN = (
+    "stem_on_tips-stem_tips_expected", "chi_H", "zeta", "coverage", "papillae",
+    "papilla_height", "skewness",
+)  # fmt: skip
+TIME = "time"
+
+
+class Answer(NamedTuple):
+    """A mean over the seeds of a point, in a window."""
+
+    point: str
+    window: Window
+    column: str
+    mean: Mean
+
+
+def check_columns(wanted: Sequence[str], observed: Sequence[str]) -> None:
+    """Raise `SceneError` for a column, or a part of a difference, that there is not."""
+    for column in wanted:
+        for name in column.split(MINUS):
+            if name not in observed:
+                raise SceneError(
+                    f"--columns {column}: there is no column {name}{near(name, observed)}; "
+                    f"allowed: {', '.join(observed)}, and differences such as a-b"
+                )
+
+
+def value_of_column(table: Any, column: str) -> Floats:
+    """Values of a column, or of the difference of two."""
+    names = column.split(MINUS)
+    values = np.asarray(table[names[0]], float)
+    for name in names[1:]:
+        values = values - np.asarray(table[name], float)
+    return values
+
+
+def mean_of(values: Floats, column: str) -> Mean:
+    """Mean over seeds with a 95 % interval, which stays within what is possible."""
+    if MINUS in column:
+        return mean(values)
+    return mean(values, fraction=is_fraction(column), least=least(column))
+
+
+def answers(design: Design, means: Any, wanted: Sequence[str]) -> list[Answer]:
+    """Of all points in all windows, from the columns of the table of means."""
+    points, windows = np.array(means["point"], object), np.array(means["window"], object)
+    found = []
+    for window in design.windows:
+        for point in design.points:
+            mine = (points == point.label) & (windows == str(window))
+            for column in wanted:
+                values = value_of_column(means, column)[mine]
+                found.append(Answer(point.label, window, column, mean_of(values, column)))
+    return found
+
+
+def against_of(design: Design, against: str | None) -> str:
+    """What pictures have on their horizontal axis: time, ``condition`` or a key that is varied.
+
+    By default the key if there is one of numbers, else time.
+    """
+    numeric = [key for key in design.keys if _is_numeric(design, key)]
+    if against is None:
+        return numeric[0] if len(numeric) == 1 and not design.sample else TIME
+    allowed = [TIME, *(["condition"] if design.points[0].condition else []), *design.keys]
+    if against not in allowed:
+        raise SceneError(
+            f"--against {against}: must be one of {', '.join(allowed)}{near(against, allowed)}"
+        )
+    return against
+
+
+def _is_numeric(design: Design, key: str) -> bool:
+    values = [point.values[key] for point in design.points]
+    return all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values)
+
+
+@plain
+def draw_over_time(courses: dict[str, Table], wanted: Sequence[str]) -> Figure:
+    """A panel for each column, a line with a band for each point."""
+    figure, panels = _panels(wanted)
+    for axes, column in zip(panels, wanted, strict=True):
+        for label, table in courses.items():
+            times = np.unique(table["time"])
+            values = value_of_column(table, column)
+            means = [mean_of(values[table["time"] == time], column) for time in times]
+            _line(axes, times, means, label)
+        axes.set(xlabel="time", ylabel=column)
+    _legend(figure, panels)
+    return figure
+
+
+@plain
+def draw_against(
+    design: Design, means: Any, wanted: Sequence[str], against: str, window: Window
+) -> Figure:
+    """A panel for each column: means in a window, with intervals, against a key or the condition.
+
+    A line for each choice of what else is varied.
+    """
+    groups: dict[str, list[tuple[Any, str]]] = {}
+    for point in design.points:
+        values = {"condition": point.condition, **point.values}
+        if against == "condition":  # what the conditions change belongs to them
+            fixed = point.label.removeprefix(str(point.condition)).removeprefix(", ")
+        else:
+            fixed = ", ".join(
+                word for word in point.label.split(", ") if not word.startswith(f"{against}=")
+            )
+        groups.setdefault(fixed, []).append((values[against], point.label))
+    numeric = against != "condition" and _is_numeric(design, against)
+    found = {(one.point, one.column): one.mean for one in answers(design, means, wanted)
+             if one.window == window}  # fmt: skip
+    figure, panels = _panels(wanted)
+    for axes, column in zip(panels, wanted, strict=True):
+        for n, (label, points) in enumerate(groups.items()):
+            if numeric:
+                points = sorted(points)
+                places = np.array([float(value) for value, _ in points])
+            else:
+                places = np.arange(len(points)) + 0.1 * n
+                axes.set_xticks(range(len(points)), [str(value) for value, _ in points])
+            _bars(axes, places, [found[point, column] for _, point in points], label, numeric)
+        axes.set(xlabel=against, ylabel=f"{column}, t = {window}")
+    _legend(figure, panels)
+    return figure
+
+
+def _panels(wanted: Sequence[str]) -> tuple[Figure, list[Axes]]:
+    across = min(len(wanted), 3)
+    rows = -(-len(wanted) // across)
+    figure = Figure(figsize=(4.6 * across, 3.4 * rows), layout="constrained")
+    panels: list[Axes] = list(figure.subplots(rows, across, squeeze=False).ravel())
+    for axes in panels[len(wanted) :]:
+        axes.remove()
+    return figure, panels[: len(wanted)]
+
+
+def _line(axes: Axes, places: Floats, means: Sequence[Mean], label: str) -> None:
+    value, _, low, high, _ = np.array(means).T
+    (line,) = axes.plot(places, value, label=label)
+    axes.fill_between(places, low, high, color=line.get_color(), alpha=0.2, linewidth=0)
+
+
+def _bars(
+    axes: Axes, places: Floats, means: Sequence[Mean], label: str, joined: bool
+) -> None:
+    value, _, low, high, _ = np.array(means).T
+    reach = np.nan_to_num([value - low, high - value])
+    axes.errorbar(places, value, reach, fmt="o-" if joined else "o", capsize=3, label=label)
+
+
+def _legend(figure: Figure, panels: Sequence[Axes]) -> None:
+    handles, labels = panels[0].get_legend_handles_labels()
+    if len(labels) > 1:
+        figure.legend(handles, labels, frameon=False, loc="outside lower center", ncols=4)

@@ -1,0 +1,151 @@
+"""What a study leaves: runs, their history, tables in Parquet; failures are rows."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Callable
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as parquet
+import pytest
+from lammps_skin.analysis.observables import COLUMNS, read_table
+from lammps_skin.analysis.statistics import mean
+from lammps_skin.model.scene import Scene
+from lammps_skin.study.runner import _attempt
+from lammps_skin.study.studies.runs import KEPT, Study
+from lammps_skin.study.studies.tables import read_courses, write_tables
+
+from tests.conftest import Answer
+
+GRID = "[grid]\ncells.generations = [3, 10]"
+WINDOWS = 'windows = "0.5-1.5,2-3"'
+UNSTABLE = """
+    [conditions.sound]
+    [conditions.unstable]
+    numerics.timestep = 0.5
+    numerics.largest_move = 0.0
+    membrane.noise = 0.3
+    """
+
+
+def events(study: Study) -> list[list[str]]:
+    """What has happened to each run."""
+    return [[line["event"] for line in run.history] for run in study.runs]
+
+
+@pytest.fixture
+def done(study: Callable[..., Study]) -> Study:
+    """A study of four runs, done in some order."""
+    found = study(WINDOWS, GRID)
+    for run in Random(1).sample(found.runs, 4):
+        assert _attempt(run, False) is None
+    write_tables(found)
+    return found
+
+
+def test_runs_and_tables(done: Study, study: Callable[..., Study]) -> None:
+    for run in done.runs:
+        names = {path.name for path in run.directory.iterdir()}
+        assert names == KEPT
+        assert Scene.load(run.directory / "scene.toml").cell_seed == run.seed
+    assert events(done) == [["begun", "done"]] * 4
+
+    table = pd.read_parquet(done.folder / "table.parquet")
+    assert table["cells.generations"].tolist() == [3, 3, 3, 3, 10, 10, 10, 10]
+    assert table["seed"].tolist() == [1, 1, 2, 2, 1, 1, 2, 2]
+    assert table["window"].tolist() == ["0.5-1.5", "2-3"] * 4
+    assert table["status"].tolist() == ["done"] * 8 and table["error"].isna().all()
+    assert [*table.columns[-len(COLUMNS) + 1 :]] == list(COLUMNS[1:])
+    for n, run in enumerate(done.runs):
+        own = read_table(run.table)
+        late = own[(own["time"] >= 2) & (own["time"] <= 3)]
+        assert table["height_std"][2 * n + 1] == late["height_std"].mean()
+        assert table["run"][2 * n] == run.directory.name
+
+    courses = read_courses(done.folder)
+    assert [*courses] == ["cells.generations=3", "cells.generations=10"]
+    own = np.concatenate([read_table(run.table) for run in done.runs[2:]])
+    for column in COLUMNS:
+        np.testing.assert_array_equal(courses["cells.generations=10"][column], own[column])
+
+    # in another folder, done in another order, the bytes are the same
+    other = study(WINDOWS, GRID, folder="other")
+    for run in other.runs:
+        _attempt(run, False)
+    for ours, theirs in zip(write_tables(done), write_tables(other), strict=True):
+        assert ours.read_bytes() == theirs.read_bytes()
+
+
+def test_what_is_done_is_not_run_again(
+    skin: Callable[..., Answer], done: Study, tmp_path: Path
+) -> None:
+    """The commands find it all; a seed more is all that is to do."""
+    before = [(run.table.read_bytes(), run.table.stat().st_mtime_ns) for run in done.runs]
+    answer = skin("study", "tiny.toml", "-o", "study")
+    assert answer.code == 0 and "2 points with 2 seeds: 4 runs, 4 of them done" in answer.out
+    assert "4 of 4 runs done" in skin("study", "status", "tiny.toml", "-o", "study").out
+
+    answer = skin("study", "show", "tiny.toml", "-o", "study", "--columns", "ta,stem-ta")
+    table = parquet.read_table(done.folder / "table.parquet").to_pandas()
+    late = table[(table["window"] == "2-3") & (table["cells.generations"] == 3)]
+    found = mean(late["ta"].to_numpy(), least=0.0)
+    assert f"{found.value:.3g} [{found.low:.3g}, {found.high:.3g}]" in answer.out
+    assert skin("study", "plot", "tiny.toml", "-o", "study", "--picture", "a.pdf").code == 0
+    assert skin("study", "plot", "tiny.toml", "-o", "study", "--against", "time").code == 0
+    assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
+    assert (done.folder / "tiny.png").stat().st_size > 10_000
+    for words, told in (
+        (["show", "--columns", "zetta"], "--columns zetta: there is no column zetta; did you mean"),
+        (["plot", "--against", "tme"], "--against tme: must be one of time, cells.generations"),
+        (["run", "--share", "3/2"], "--share 3/2: must be K/N"),
+    ):
+        answer = skin("study", words[0], "tiny.toml", "-o", "study", *words[1:])
+        assert answer.code == 2 and answer.err.startswith(f"error: {told}"), answer.err
+    assert before == [(run.table.read_bytes(), run.table.stat().st_mtime_ns) for run in done.runs]
+    assert events(done) == [["begun", "done"]] * 4
+
+
+def test_a_failing_run_is_a_row(
+    skin: Callable[..., Answer], study: Callable[..., Study], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whether it is unstable or the disk is full; the others are done."""
+    found = study('windows = "2-3"', UNSTABLE)
+    store = type(found.runs[0]).store
+
+    def full(run: object, directory: Path) -> None:
+        if run == found.runs[1]:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        store(run, directory)
+
+    monkeypatch.setattr(type(found.runs[0]), "store", full)
+    for run in found.runs:
+        _attempt(run, False)
+    write_tables(found)
+    table = pd.read_parquet(found.folder / "table.parquet")
+    assert table["status"].tolist() == ["done", "failed", "failed", "failed"]
+    assert "No space left on device" in table["error"][1]
+    assert table["error"][2].count("after t = ") == 1
+    assert str(found.folder) not in table["error"][2]
+    assert table["height_std"].isna().tolist() == [False, True, True, True]
+    answer = skin("study", "status", "tiny.toml", "-o", "study")
+    assert "1 of 4 runs done" in answer.out and answer.out.count("failed: tiny-") == 3
+    monkeypatch.undo()
+    assert _attempt(found.runs[1], False) is None  # once there is space, it goes on
+    assert events(found)[1] == ["begun", "failed", "resumed", "done"]
+    assert found.runs[1].state == "done" and not found.runs[1].error
+
+
+def test_kinds_of_some_points_alone(study: Callable[..., Study]) -> None:
+    """Their columns are empty elsewhere."""
+    found = study(end="[conditions.plain]\n[conditions.mutant.cells.kinds.mutant]\nlike = 'stem'")
+    for run in found.runs[::2]:
+        assert _attempt(run, False) is None
+    write_tables(found)
+    table = pd.read_parquet(found.folder / "table.parquet")
+    assert table["status"].tolist() == ["done", "done", "missing", "missing"] * 2
+    assert table["mutant"].isna().tolist() == [True] * 4 + [False, False, True, True]
+    assert table["condition"].tolist() == ["plain"] * 4 + ["mutant"] * 4
+    assert table["cells.kinds.mutant.like"].tolist()[4:] == ["stem"] * 4
