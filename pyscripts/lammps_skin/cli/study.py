@@ -67,7 +67,7 @@ def run(
     asked = opened(file, output)
     part = _share_of(share) if share else None
     design = asked.design
-    todo = asked.missing(part)
+    todo = asked.todo(part)
     console.print(
         f"{counted(len(design.points), 'point')} with {counted(len(design.seeds), 'seed')}: "
         f"{counted(len(asked.runs), 'run')}, {len(asked.runs) - len(asked.missing())} of them done"
@@ -114,7 +114,7 @@ def slurm(
     from lammps_skin.study.ensemble import expected_seconds
 
     asked = opened(file, output)
-    todo = asked.missing()
+    todo = asked.todo()
     tasks = max(min(tasks, len(todo)), 1)
     path = script or Path(f"{asked.design.name}.sh")
     command = [str(Path(sys.executable).with_name("skin")), "study", "run", str(file.absolute())]
@@ -157,8 +157,8 @@ def status(file: File, output: Folder = None) -> None:
         right=True,
     )  # fmt: skip
     console.print()
-    todo = asked.missing()
-    console.print(f"{len(asked.runs) - len(todo)} of {counted(len(asked.runs), 'run')} done")
+    todo, missing = asked.todo(), asked.missing()
+    console.print(f"{len(asked.runs) - len(missing)} of {counted(len(asked.runs), 'run')} done")
     if todo:
         console.print(f"to do: about {duration(expected_seconds(todo))} of one core")
     for one in asked.runs:

@@ -109,6 +109,11 @@ class Member:
         """Expected cost on one core."""
         return cost.estimate(self.scene).seconds
 
+    @property
+    def begun(self) -> Scene:
+        """The scene, with the state with which the run begins."""
+        return self.scene
+
     def run(self, keep: bool = False, progress: Progress | None = None) -> None:
         """Run to the end time, store the observables, remove the run directory.
 
@@ -140,7 +145,7 @@ class Member:
     def _simulation(self, lock: DirectoryLock) -> Simulation:
         if not holds_results(self.directory):
             self.note("begun")
-            return Simulation.begin(self.scene, self.directory, ranks=None, lock=lock)
+            return Simulation.begin(self.begun, self.directory, ranks=None, lock=lock)
         self.note("resumed")
         try:
             return Simulation.resume(self.directory, ranks=None, lock=lock)

@@ -130,7 +130,7 @@ def test_names(ensembles: Path) -> None:
     [
         (["one"], "is one condition; give at least two"),
         (["one", "one"], "condition one/small: there are two of this name"),
-        (["one", "nowhere"], "nowhere: is no run directory, no folder of an ensemble"),
+        (["one", "nowhere"], "nowhere: is no run directory, no folder of an ensemble or a study"),
         (["a=one", "b=two", "--columns", "zita"], "did you mean zeta?"),
         (["a=one", "b=two", "--columns", "coverage-zeta"], "has no column 'coverage'"),
         (["a=one", "b=two", "--windows", "50-500"], "--windows 50-500: 50-500 must be"),

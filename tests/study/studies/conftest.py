@@ -29,13 +29,18 @@ dump_interval = 0.5
 """
 
 
+def made(place: Path, begin: str = "", end: str = "", folder: str = "study") -> Study:
+    """A study of the tiny scene: what its file begins with, what it ends with, its folder."""
+    path = place / "tiny.toml"
+    path.write_text(f'seeds = "1-2"\n{begin}\n{TINY}\n{end}\n')
+    return Study(Design.load(path), place / folder)
+
+
 @pytest.fixture
 def study(tmp_path: Path) -> Callable[..., Study]:
     """A study of the tiny scene: what its file begins with, what it ends with, its folder."""
 
     def make(begin: str = "", end: str = "", folder: str = "study") -> Study:
-        path = tmp_path / "tiny.toml"
-        path.write_text(f'seeds = "1-2"\n{begin}\n{TINY}\n{end}\n')
-        return Study(Design.load(path), tmp_path / folder)
+        return made(tmp_path, begin, end, folder)
 
     return make

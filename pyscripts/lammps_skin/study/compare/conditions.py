@@ -22,6 +22,9 @@ from lammps_skin.model.scene_keys import near, value_of
 from lammps_skin.run.results import TRAJECTORIES
 from lammps_skin.study.claims.tables import flat
 from lammps_skin.study.ensemble import by_seed, scene_of, with_seed
+from lammps_skin.study.studies.design import Design
+from lammps_skin.study.studies.runs import DESIGN
+from lammps_skin.study.studies.tables import COURSES, read_courses
 
 TABLES = ".csv.gz"  # how the names of gathered tables end
 OF_A_RUN = re.compile(r"-(\d+)-[0-9a-f]+\.csv$")  # how the name of the table of one run ends
@@ -101,7 +104,8 @@ def read(sources: Sequence[str]) -> list[Condition]:
     """Conditions from paths, each with a name before it if wanted: ``soft=runs/soft``.
 
     A path is a run directory or a trajectory, the folder of an ensemble, of which each table is a
-    condition, or such a table. Conditions of one name get that of their folder before it.
+    condition, or such a table, or the folder of a study, of which each point is one. Conditions of
+    one name get that of their folder before it.
 
     Raises
     ------
@@ -153,12 +157,25 @@ def _read(path: Path) -> Iterator[Condition]:
         with open_run(path) as run:
             table: Table = Observables(run.universe, run.events).run().results.table
             yield Condition(path.resolve().name, with_seed(table, run.seed), run.scene, path)
+    elif (path / COURSES).is_file():
+        scenes = _scenes_of_points(path / DESIGN)
+        for label, table in read_courses(path).items():
+            yield Condition(label, table, scenes.get(label), path)
     elif tables := sorted(path.glob(f"*{TABLES}")):
         yield from map(_gathered, tables)
     else:
         raise SkinError(
-            f"{path}: is no run directory, no folder of an ensemble and no table of one"
+            f"{path}: is no run directory, no folder of an ensemble or a study that has been run, "
+            "and no table of an ensemble"
         )
+
+
+def _scenes_of_points(design: Path) -> dict[str, Scene]:
+    """Scenes of the points of a study, by label; none if its file is not there or not valid."""
+    try:
+        return {point.label: point.scene for point in Design.load(design).points}
+    except SceneError:
+        return {}
 
 
 def _gathered(path: Path) -> Condition:
@@ -182,7 +199,9 @@ def differences(conditions: Sequence[Condition]) -> list[str]:
     """In which keys each condition differs from the first, in words; nothing if not known."""
     lines = []
     first, *others = (
-        dict(flat(one.scene.model_dump(mode="json", exclude=UNNAMED))) if one.scene else {}
+        dict(flat(one.scene.model_dump(mode="json", exclude=UNNAMED, exclude_none=True)))
+        if one.scene
+        else {}
         for one in conditions
     )
     for one, keys in zip(conditions[1:], others, strict=True):

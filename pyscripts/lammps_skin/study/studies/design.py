@@ -16,9 +16,10 @@ from lammps_skin.model.scene_keys import PATHS, near, shown, value_of
 from lammps_skin.model.scenes import BUILT_IN
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.study.ranges import Window, seeds_of, windows_of
+from lammps_skin.study.studies.forks import check_varied, fork_time, windows_after
 from lammps_skin.study.studies.samples import Sample
 
-KEYS = ("scene", "seeds", "windows", "set", "conditions", "grid", "sample")
+KEYS = ("scene", "seeds", "windows", "fork", "set", "conditions", "grid", "sample")
 MOST_POINTS = 100_000
 FILES = {".".join(path) for path in PATHS}  # keys of a scene whose values are paths
 
@@ -67,6 +68,8 @@ class Design:
     windows : tuple of Window
         Of time, over which means are taken.
     sample : Sample or None
+    fork : float or None
+        Time up to which all points of a seed are one run.
     """
 
     name: str
@@ -77,6 +80,7 @@ class Design:
     seeds: tuple[int, ...]
     windows: tuple[Window, ...]
     sample: Sample | None
+    fork: float | None
 
     @classmethod
     def load(cls, path: Path) -> Design:
@@ -120,12 +124,19 @@ def _design(name: str, text: str, given: Mapping[str, Any], folder: Path) -> Des
             raise SceneError(f"{key}: cannot be varied; `seeds` says with which seeds points run")
         if varied.count(key) > 1:
             raise SceneError(f"{key}: is varied twice, by conditions, grid or sample")
+    if "fork" in given:
+        check_varied(varied)
     points = tuple(_points(name, scene, conditions, grid, sample, folder, varied))
-    ends = [point.scene.end_time for point in points]
+    end, text_of_windows = min(point.scene.end_time for point in points), given.get("windows")
+    if "fork" in given:
+        after = {point.label: point.scene for point in points}
+        fork = fork_time(given["fork"], scene, after)
+        windows = windows_after(text_of_windows, fork, end)
+    else:
+        fork, windows = None, windows_of(text_of_windows, end, "windows = ")
     return Design(
         name, text, scene, points, tuple(varied),
-        tuple(seeds_of(given.get("seeds", "1-8"), "seeds = ")),
-        tuple(windows_of(given.get("windows"), min(ends), "windows = ")), sample,
+        tuple(seeds_of(given.get("seeds", "1-8"), "seeds = ")), tuple(windows), sample, fork,
     )  # fmt: skip
 
 

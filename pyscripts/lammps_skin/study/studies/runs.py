@@ -6,22 +6,28 @@ import csv
 import os
 import shutil
 import socket
+from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.errors import SkinError
 from lammps_skin.files import atomic_write
+from lammps_skin.model.scene import Scene
 from lammps_skin.run.directory_lock import is_held
 from lammps_skin.run.results import EVENTS, PROVENANCE
-from lammps_skin.study.ensemble import Member, members
+from lammps_skin.study.ensemble import Member, Progress, members
+from lammps_skin.study.result_keys import result_key
 from lammps_skin.study.studies.design import Design, Point
+from lammps_skin.study.studies.forks import before
+from lammps_skin.trajectory.store import STORE
 
 DESIGN, TABLE, HISTORY = "study.toml", "observables.csv", "history.csv"
+TRUNKS = "trunks"  # folder of the runs up to a fork
 KEPT = {SCENE_FILE, TABLE, HISTORY, EVENTS, PROVENANCE}  # of a run that is done
 HEADING = ("time", "event", "machine", "process", "error")
 STATES = ("done", "running", "failed", "missing")
@@ -31,7 +37,14 @@ class StudyRun(Member):
     """A run of a study: a directory with its scene, its observables and its history.
 
     ``history.csv`` has a line whenever the run has begun, has been resumed, is done or has failed.
+
+    Attributes
+    ----------
+    kept : set of str
+        Files that stay when it is done.
     """
+
+    kept: ClassVar[set[str]] = KEPT
 
     @property
     def table(self) -> Path:
@@ -82,8 +95,49 @@ class StudyRun(Member):
         for path in self.directory.iterdir():
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)
-            elif path.name not in KEPT:
+            elif path.name not in self.kept:
                 path.unlink()
+
+
+class Trunk(StudyRun):
+    """A run up to a fork; its trajectory is kept, with the state from which others go on."""
+
+    kept = KEPT | {STORE}
+
+    @property
+    def directory(self) -> Path:
+        return self.folder / TRUNKS / super().directory.name
+
+
+@dataclass(frozen=True)
+class Branch(StudyRun):
+    """A run from a fork on. Its scene is that of the whole time.
+
+    Attributes
+    ----------
+    trunk : Trunk
+        Its first part, which is run before if it has not been.
+    """
+
+    trunk: Trunk = field(kw_only=True)
+
+    @property
+    def key(self) -> str:
+        return result_key(super().key, self.trunk.key, made_by=dict(self.made_by))
+
+    @property
+    def seconds(self) -> float:
+        return max(super().seconds - self.trunk.seconds, 0.0)
+
+    @property
+    def begun(self) -> Scene:
+        state = {"start.from": str(self.trunk.directory), "start.time": self.trunk.scene.end_time}
+        return self.scene.replace(**state)
+
+    def run(self, keep: bool = False, progress: Progress | None = None) -> None:
+        if not self.done:
+            self.trunk.run(progress=progress)
+        super().run(keep, progress)
 
 
 class Runs(NamedTuple):
@@ -103,12 +157,16 @@ class Study:
     @cached_property
     def points(self) -> list[Runs]:
         """The runs of each point."""
-        folder = self.folder.absolute()
-        return [
-            Runs(point, [StudyRun(one.scene, folder)
-                         for one in members([point.scene], self.design.seeds, folder)])
-            for point in self.design.points
-        ]  # fmt: skip
+        return [Runs(point, list(self._runs_of(point))) for point in self.design.points]
+
+    def _runs_of(self, point: Point) -> Iterator[StudyRun]:
+        folder, fork = self.folder.absolute(), self.design.fork
+        for one in members([point.scene], self.design.seeds, folder):
+            if fork is None:
+                yield StudyRun(one.scene, folder)
+            else:
+                trunk = before(self.design.scene.replace(seed=one.seed), fork)
+                yield Branch(one.scene, folder, trunk=Trunk(trunk, folder))
 
     @cached_property
     def runs(self) -> list[StudyRun]:
@@ -119,6 +177,12 @@ class Study:
         """Runs that are not done; of a share (k, n) each n-th of all runs, from the k-th on."""
         mine = self.runs if share is None else self.runs[share[0] - 1 :: share[1]]
         return [run for run in mine if not run.done]
+
+    def todo(self, share: tuple[int, int] | None = None) -> list[StudyRun]:
+        """The same after the runs up to a fork that they need."""
+        missing = self.missing(share)
+        trunks = {run.trunk: None for run in missing if isinstance(run, Branch)}
+        return [*(trunk for trunk in trunks if not trunk.done), *missing]
 
     def write_design(self) -> None:
         """Write the design into the folder."""

@@ -140,6 +140,7 @@ def _type_of(study: Study, key: str) -> Any:
 def _write(path: Path, schema: Any, groups: Any) -> None:
     """Write groups of rows, as they come."""
     arrow = _arrow()
+    words = [field.name for field in schema if field.type == arrow.string()]
     try:
         with (
             atomic_write(path) as part,
@@ -147,7 +148,9 @@ def _write(path: Path, schema: Any, groups: Any) -> None:
         ):
             for rows in groups:
                 if rows:
-                    writer.write_table(arrow.Table.from_pylist(rows, schema))
+                    texts = [{name: _text(row.get(name)) for name in words} for row in rows]
+                    told = [row | text for row, text in zip(rows, texts, strict=True)]
+                    writer.write_table(arrow.Table.from_pylist(told, schema))
     except OSError as error:
         raise SkinError(f"table {path}: {error.strerror or error}") from None
 
@@ -185,6 +188,11 @@ def _course_rows(
     names = [name for name in ("time", *observed) if name in (table.dtype.names or ())]
     for frame in table[names].tolist():
         yield {**named, **{name: _defined(x) for name, x in zip(names, frame, strict=True)}}
+
+
+def _text(value: Any) -> str | None:
+    """Text as it is; arrays and tables, and numbers among texts, as JSON."""
+    return value if value is None or isinstance(value, str) else json.dumps(value)
 
 
 def _defined(value: float) -> float | None:
