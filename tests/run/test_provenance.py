@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import subprocess
 import sys
 import venv
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 import pytest
 from lammps_skin.errors import SkinError
@@ -19,44 +17,13 @@ from lammps_skin.run.simulation import Simulation
 from lammps_skin.trajectory.writer import source_commit
 from lammps_skin.versions import versions
 
-Crate = dict[str, dict[str, Any]]
+from tests.run.crates import activities, crate, links
+
 SCENE = {
     "name": "small", "end_time": 1.0, "seed": 7, "dermis": {"present": False},
     "membrane": {"lattice": [12, 14]}, "cells": {"stem": 1, "seed": 8},
     "numerics": {"accuracy": "reference"}, "output": {"checkpoint_interval": 0.5},
 }  # fmt: skip
-
-
-def crate(directory: Path) -> Crate:
-    """Entities by their identifiers, each there once; what the profile wants is there."""
-    graph = json.loads((directory / "ro-crate-metadata.json").read_text())["@graph"]
-    found = {one["@id"]: one for one in graph}
-    assert len(found) == len(graph)
-    linked = [link for one in graph for value in one.values() for link in links(value)]
-    outside = {"https://w3id.org/ro/crate/1.1"}
-    assert {*linked} <= found.keys() | outside
-    root = found["./"]
-    assert found["ro-crate-metadata.json"]["about"] == {"@id": "./"}
-    assert root["conformsTo"] == {"@id": "https://w3id.org/ro/wfrun/process/0.5"}
-    assert {"name", "description", "datePublished", "license"} <= root.keys()
-    named = {one["@id"] for one in graph if one["@type"] == "File"}
-    assert named == {*links(root["hasPart"])}
-    assert all((directory / name).is_file() for name in named)
-    assert [*links(root["mentions"])] == [one["@id"] for one in activities(found)]
-    for one in activities(found):
-        assert all(
-            found[name]["@type"] == "SoftwareApplication" for name in links(one["instrument"])
-        )
-    return found
-
-
-def links(value: Any) -> list[str]:
-    values = value if isinstance(value, list) else [value]
-    return [one["@id"] for one in values if isinstance(one, dict)]
-
-
-def activities(found: Crate) -> list[dict[str, Any]]:
-    return [one for one in found.values() if one["@type"] == "CreateAction"]
 
 
 @pytest.fixture(scope="module")
@@ -122,6 +89,7 @@ def test_a_run_that_was_killed_and_resumed(halfway: Path, tmp_path: Path) -> Non
     for content in ("", "{}", '{"@graph": [3]}', '{"@graph": [{"@id": "x"}]}', "[" * 100_000):
         (directory / provenance.PROVENANCE).write_text(content)
         assert provenance._activities(directory / provenance.PROVENANCE) == []
+        provenance.refresh(directory)
 
 
 def test_a_run_that_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -144,6 +112,21 @@ def test_a_file_that_cannot_be_written(tmp_path: Path) -> None:
     refused = pytest.raises(SkinError, match=message)
     with Simulation.begin(Scene.from_dict(SCENE), tmp_path) as simulation, refused:
         simulation.run()
+
+
+def test_files_that_are_gone_and_new(run: Path, tmp_path: Path) -> None:
+    directory = tmp_path / "run"
+    shutil.copytree(run, directory)
+    for name in ("skin.h5", "skin.data", "log.lammps"):
+        (directory / name).unlink()
+    (directory / "observables.csv").touch()
+    provenance.refresh(directory, ["observables.csv"])
+    first, second = activities(crate(directory))
+    assert links(first["result"]) == ["events.csv"]
+    assert links(second["result"]) == ["events.csv", "observables.csv"]
+    assert "scene.toml" in links(first["object"])
+    provenance.refresh(tmp_path)
+    assert not (tmp_path / provenance.PROVENANCE).exists()
 
 
 @pytest.mark.slow

@@ -69,7 +69,8 @@ def ensemble(
     for one in described:
         for remark in remarks(one):
             console.print(f"{one.name}: {remark}")
-    members = ensembles.members(described, seeds_of(seeds), output)
+    numbers = seeds_of(seeds)
+    members = ensembles.members(described, numbers, output)
     failures: dict[str, str] = {}
     for directory in runs or ():
         try:
@@ -82,8 +83,11 @@ def ensemble(
 
     todo = [member for member in members if not member.done]
     console.print(f"{counted(len(members), 'run')}, {len(members) - len(todo)} of them there")
+    activity = ensembles.provenance(output, described, numbers)
     try:
         if todo:
+            output.mkdir(parents=True, exist_ok=True)
+            activity.begin()
             failed = run_members(todo, jobs, keep, scheduler)
             failures |= {member.label: text for member, text in failed.items()}
     except KeyboardInterrupt:
@@ -98,6 +102,8 @@ def ensemble(
             console.print(f"{path}: {counted(len(runs_of), 'seed')}{why}")
             if heaps := [line for run in runs_of if (line := last_remark(run))]:
                 console.print(f"{path}: {len(heaps)} of them, the first: {heaps[0]}")
+        activity.error = f"{counted(len(failures), 'run')} failed" if failures else ""
+        activity.end()
     for label, text in failures.items():
         console.print(f"failed: {label}: {text}")
     if failures:

@@ -77,6 +77,9 @@ def run(
     }.items():
         console.print(f"{label}: {remark}")
     asked.write_design()
+    activity = asked.provenance
+    if part is None:
+        activity.begin()
     failures: dict[Member, str] = {}
     try:
         if part is not None:
@@ -91,6 +94,8 @@ def run(
         if part is None:
             for path in write_tables(asked, failures):
                 console.print(str(path))
+            activity.error = f"{counted(len(failures), 'run')} failed" if failures else ""
+            activity.end()
     for one, text in failures.items():
         console.print(f"failed: {one.directory.name}: {text}")
     if failures:

@@ -127,7 +127,7 @@ class Provenance:
             "instrument": _links(software[:1]), "startTime": _now(),
         }  # fmt: skip
         self._around = [*former, *self._used, *software, agent]
-        self._write(action)
+        self._tell(action)
         self._action = action
 
     def end(self) -> None:
@@ -137,15 +137,16 @@ class Provenance:
         status = STATUS.format("Failed" if self.error else "Completed")
         self._action |= {"endTime": _now(), "actionStatus": status}
         self._action |= {"error": self.error} if self.error else {}
-        self._write(self._action)
+        self._tell(self._action)
 
-    def _write(self, action: Entity) -> None:
+    def _tell(self, action: Entity) -> None:
         inputs, results = (
             [_file(path) for pattern in patterns for path in sorted(self._directory.glob(pattern))]
             for patterns in (self._inputs, self._results)
         )
         action |= {"object": _links([*inputs, *self._used]), "result": _links(results)}
         entities = {one["@id"]: one for one in [*self._around, action, *inputs, *results]}
+        _forget(entities.values())
         activities = [one for one in entities.values() if one["@type"] == "CreateAction"]
         descriptor = {
             "@id": PROVENANCE, "@type": "CreativeWork", "conformsTo": {"@id": CRATE},
@@ -161,21 +162,53 @@ class Provenance:
             "@id": PROFILE, "@type": "CreativeWork", "name": "Process Run Crate", "version": "0.5"
         }  # fmt: skip
         crate = {"@context": CONTEXT, "@graph": [descriptor, root, profile, *entities.values()]}
-        path = self._directory / PROVENANCE
-        try:
-            with atomic_write(path) as part:
-                part.write_text(json.dumps(crate, indent=1, ensure_ascii=False) + "\n", "utf-8")
-        except OSError as error:
-            raise SkinError(f"provenance {path}: {error.strerror}") from None
+        _write(self._directory / PROVENANCE, crate)
+
+
+def refresh(directory: Path, more: Iterable[str] = ()) -> None:
+    """Leave out files that are no more there, and add others as results of the last activity.
+
+    Nothing happens to a directory that has no crate.
+    """
+    path = directory / PROVENANCE
+    crate = _read(path)
+    graph = crate.get("@graph", [])
+    gone = {one["@id"] for one in graph if one["@type"] == "File"}
+    gone -= {name for name in gone if (directory / name).is_file()}
+    new = [_file(directory / name) for name in more]
+    graph = [one for one in graph if one["@id"] not in gone] + new
+    last = [one["@id"] for one in graph if one["@type"] == "CreateAction"][-1:]
+    for one in graph:
+        if [one["@id"]] == last:
+            one["result"] = [*_listed(one["result"]), *_listed(_links(new))]
+        if one["@id"] == "./":
+            one["hasPart"] = [*_listed(one["hasPart"]), *_listed(_links(new))]
+    _forget(graph)
+    if graph:
+        _write(path, {**crate, "@graph": graph})
+
+
+def _write(path: Path, crate: Entity) -> None:
+    try:
+        with atomic_write(path) as part:
+            part.write_text(json.dumps(crate, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    except OSError as error:
+        raise SkinError(f"provenance {path}: {error.strerror}") from None
+
+
+def _read(path: Path) -> Entity:
+    """A crate of ours; nothing if there is none, or none that is whole."""
+    try:
+        crate = json.loads(path.read_text("utf-8"))
+        whole = all(isinstance(one["@type"], str) and one["@id"] for one in crate["@graph"])
+        return crate if whole else {}
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return {}
 
 
 def _activities(path: Path) -> list[Entity]:
-    """What a file tells of former activities, but of files; nothing if it cannot be read."""
-    try:
-        graph = json.loads(path.read_text("utf-8"))["@graph"]
-        return [one for one in graph if one["@type"] in KEPT and one["@id"]]
-    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
-        return []
+    """What a crate tells of former activities, but of files."""
+    return [one for one in _read(path).get("@graph", []) if one["@type"] in KEPT]
 
 
 def _software() -> Iterable[Entity]:
@@ -205,6 +238,19 @@ def _file(path: Path) -> Entity:
               "encodingFormat": FORMATS.get(path.suffix, "text/plain")}  # fmt: skip
     about = CONTENTS.get(path.name)
     return entity | ({"description": about} if about else {})
+
+
+def _forget(graph: Iterable[Entity]) -> None:
+    """Remove links to files of which the graph does not tell."""
+    graph = list(graph)
+    there = {one["@id"] for one in graph}
+    for one in graph:
+        for key in {"hasPart", "object", "result"} & one.keys():
+            one[key] = _links(link for link in _listed(one[key]) if link["@id"] in there)
+
+
+def _listed(links: list[Entity] | Entity) -> list[Entity]:
+    return links if isinstance(links, list) else [links]
 
 
 def _links(entities: Iterable[Entity]) -> list[Entity] | Entity:

@@ -37,6 +37,7 @@ from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.directory_lock import DirectoryLock
+from lammps_skin.run.provenance import Provenance
 from lammps_skin.run.results import holds_results
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
@@ -186,6 +187,14 @@ def members(scenes: Iterable[Scene], seeds: Sequence[int], folder: Path) -> list
         for scene in scenes
     ]
     return [Member(scene.replace(seed=seed), folder) for scene in begun for seed in seeds]
+
+
+def provenance(folder: Path, scenes: Iterable[Scene], seeds: Sequence[int]) -> Provenance:
+    """What tells in a folder of each time that ensembles are run there."""
+    names = ", ".join(scene.name for scene in scenes)
+    used = {"scenes": names, "seeds": ", ".join(map(str, seeds))}
+    about = "Ensembles of scenes with many seeds, with lammps-skin"
+    return Provenance(folder, folder.resolve().name, about, used, (), ["*.csv.gz"], goes_on=True)
 
 
 def expected_seconds(members: Iterable[Member]) -> float:

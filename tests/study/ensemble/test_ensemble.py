@@ -26,6 +26,8 @@ from lammps_skin.study.ensemble import (
 from lammps_skin.study.runner import _share, run_all, run_share
 from lammps_skin.versions import versions
 
+from tests.run.crates import activities, crate
+
 
 def test_one_command_and_the_same_again(skin, tmp_path, monkeypatch):
     monkeypatch.setattr("lammps_skin.cli.ensemble.cores", lambda: 2)
@@ -41,6 +43,9 @@ def test_one_command_and_the_same_again(skin, tmp_path, monkeypatch):
     assert np.unique(table["seed"]).tolist() == [1, 2]
     np.testing.assert_allclose(table["time"], np.tile(np.arange(7) * 0.5, 2))
     assert table["ta"].max() > 0
+
+    (told,) = activities(crate(tmp_path / "many"))
+    assert told["result"] == {"@id": "tiny.csv.gz"}
 
     times = [path.stat().st_mtime_ns for path in tables]
     answer = skin("ensemble", "tiny.toml", "--seeds", "1-2", "-o", "many")

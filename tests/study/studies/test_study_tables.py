@@ -19,6 +19,7 @@ from lammps_skin.study.studies.runs import KEPT, Study
 from lammps_skin.study.studies.tables import read_courses, write_tables
 
 from tests.conftest import Answer
+from tests.run.crates import activities, crate
 
 GRID = "[grid]\ncells.generations = [3, 10]"
 WINDOWS = 'windows = "0.5-1.5,2-3"'
@@ -87,6 +88,12 @@ def test_what_is_done_is_not_run_again(
     answer = skin("study", "tiny.toml", "-o", "study")
     assert answer.code == 0 and "2 points with 2 seeds: 4 runs, 4 of them done" in answer.out
     assert "4 of 4 runs done" in skin("study", "status", "tiny.toml", "-o", "study").out
+    (told,) = activities(crate(tmp_path / "study"))
+    assert {link["@id"] for link in told["result"]} == {"table.parquet", "courses.parquet"}
+    assert told["object"][0] == {"@id": "study.toml"}
+    for run in (tmp_path / "study" / "runs").iterdir():  # what was removed is not named any more
+        (of_run,) = activities(crate(run))
+        assert {link["@id"] for link in of_run["result"]} == {"events.csv", "observables.csv"}
 
     answer = skin("study", "show", "tiny.toml", "-o", "study", "--columns", "ta,stem-ta")
     table = parquet.read_table(done.folder / "table.parquet").to_pandas()

@@ -19,6 +19,7 @@ from lammps_skin.errors import SkinError
 from lammps_skin.files import atomic_write
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.directory_lock import is_held
+from lammps_skin.run.provenance import Provenance, refresh
 from lammps_skin.run.results import EVENTS, PROVENANCE
 from lammps_skin.study.ensemble import Member, Progress, members
 from lammps_skin.study.result_keys import result_key
@@ -97,6 +98,7 @@ class StudyRun(Member):
                 shutil.rmtree(path)
             elif path.name not in self.kept:
                 path.unlink()
+        refresh(self.directory, [TABLE])
 
 
 class Trunk(StudyRun):
@@ -183,6 +185,17 @@ class Study:
         missing = self.missing(share)
         trunks = {run.trunk: None for run in missing if isinstance(run, Branch)}
         return [*(trunk for trunk in trunks if not trunk.done), *missing]
+
+    @property
+    def provenance(self) -> Provenance:
+        """What tells of each time that the study is run."""
+        seeds = ", ".join(map(str, self.design.seeds))
+        return Provenance(
+            self.folder, self.design.name,
+            f"A study with lammps-skin, of the scene {self.design.scene.name}",
+            {"seeds": seeds, "parameters": self.design.scene.parameters},
+            inputs=[DESIGN], results=["*.parquet"], goes_on=True,
+        )  # fmt: skip
 
     def write_design(self) -> None:
         """Write the design into the folder."""
