@@ -18,6 +18,7 @@ release = metadata.version("lammps-skin")
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton"]
 exclude_patterns = ["data", "examples", "figures", "install"]
 highlight_language = "none"
+default_role = "literal"  # of docstrings
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
