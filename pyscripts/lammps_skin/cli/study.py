@@ -37,10 +37,15 @@ class RunByDefault(TyperGroup):
 
 study = typer.Typer(cls=RunByDefault, no_args_is_help=True, rich_markup_mode=None)
 
-File = Annotated[Path, typer.Argument(metavar="FILE", help="TOML file of a study.")]
+File = Annotated[
+    Path, typer.Argument(metavar="FILE", help="TOML file, or the name of a built-in study.")
+]
 Folder = Annotated[
     Path | None,
     typer.Option("-o", "--output", metavar="DIR", help="Folder [default: studies/NAME]."),
+]
+Quick = Annotated[
+    bool, typer.Option("--quick", help="As the table `quick` of the file says: small and short.")
 ]
 Columns = Annotated[
     str | None,
@@ -52,6 +57,7 @@ Columns = Annotated[
 def run(
     file: File,
     output: Folder = None,
+    quick: Quick = False,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     share: Annotated[
@@ -64,7 +70,7 @@ def run(
     from lammps_skin.study.runner import run_share
     from lammps_skin.study.studies.tables import write_tables
 
-    asked = opened(file, output)
+    asked = opened(file, output, quick)
     part = _share_of(share) if share else None
     design = asked.design
     todo = asked.todo(part)
@@ -110,6 +116,7 @@ def slurm(
     ] = 16,
     cpus: Annotated[int, typer.Option(min=1, max=1024, help="Cores of each task.")] = 1,
     output: Folder = None,
+    quick: Quick = False,
     script: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Where to write it [default: NAME.sh].")
     ] = None,
@@ -117,13 +124,15 @@ def slurm(
     """Write an array script for Slurm, in which each task runs its share."""
     from lammps_skin.files import atomic_write
     from lammps_skin.study.ensemble import expected_seconds
+    from lammps_skin.study.studies.design import source_of
 
-    asked = opened(file, output)
+    asked = opened(file, output, quick)
     todo = asked.todo()
     tasks = max(min(tasks, len(todo)), 1)
     path = script or Path(f"{asked.design.name}.sh")
-    command = [str(Path(sys.executable).with_name("skin")), "study", "run", str(file.absolute())]
-    command += ["-o", str(asked.folder.absolute())]
+    command = [str(Path(sys.executable).with_name("skin")), "study", "run"]
+    command += [str(source_of(file).absolute()), "-o", str(asked.folder.absolute())]
+    command += ["--quick"] * quick
     lines = [
         "#!/bin/sh",
         f"#SBATCH --job-name={asked.design.name}",
@@ -147,12 +156,29 @@ def slurm(
 
 
 @study.command()
-def status(file: File, output: Folder = None) -> None:
+def write(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Of a built-in study.")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="[default: NAME.toml].")
+    ] = None,
+) -> None:
+    """Write the file of a built-in study, to be changed."""
+    from lammps_skin.study.studies.design import source_of
+
+    source, path = source_of(Path(name)), output or Path(f"{name}.toml")
+    if path.exists():
+        raise SceneError(f"file {path}: exists; -o gives another name")
+    path.write_text(source.read_text("utf-8"), "utf-8")
+    console.print(str(path))
+
+
+@study.command()
+def status(file: File, output: Folder = None, quick: Quick = False) -> None:
     """Show how far a study is."""
     from lammps_skin.study.ensemble import expected_seconds
     from lammps_skin.study.studies.runs import STATES
 
-    asked = opened(file, output)
+    asked = opened(file, output, quick)
     states = {one.directory: one.state for one in asked.runs}
     counts = [Counter(states[one.directory] for one in point.runs) for point in asked.points]
     print_table(
@@ -172,11 +198,13 @@ def status(file: File, output: Folder = None) -> None:
 
 
 @study.command()
-def show(file: File, columns: Columns = None, output: Folder = None) -> None:
+def show(
+    file: File, columns: Columns = None, output: Folder = None, quick: Quick = False
+) -> None:
     """Show means over seeds of each point, with 95 % intervals."""
     from lammps_skin.study.studies.answer import answers
 
-    asked, means, wanted = _answered(file, output, columns)
+    asked, means, wanted = _answered(file, output, columns, quick)
     found = answers(asked.design, means, wanted)
     for window in asked.design.windows:
         console.print(f"t = {window}:")
@@ -211,13 +239,14 @@ def plot(
                      "[default: NAME.png in the folder]."),
     ] = None,
     output: Folder = None,
+    quick: Quick = False,
 ) -> None:  # fmt: skip
     """Draw means with 95 % intervals over time, or against what is varied."""
     from lammps_skin.figures.snapshot import save
     from lammps_skin.study.studies import answer
     from lammps_skin.study.studies.tables import read_courses
 
-    asked, means, wanted = _answered(file, output, columns)
+    asked, means, wanted = _answered(file, output, columns, quick)
     axis = answer.against_of(asked.design, against)
     if axis == answer.TIME:
         courses = read_courses(asked.folder)
@@ -230,25 +259,26 @@ def plot(
     console.print(str(save(figure, picture or asked.folder / f"{asked.design.name}.png")))
 
 
-def opened(file: Path, output: Path | None) -> Study:
+def opened(file: Path, output: Path | None, quick: bool = False) -> Study:
     """The study of a file, with its folder."""
     from lammps_skin.study.studies.design import Design
     from lammps_skin.study.studies.runs import Study
 
-    design = Design.load(file)
-    asked = Study(design, output or Path("studies") / design.name)
+    design = Design.load(file, quick)
+    name = f"{design.name}-quick" if quick else design.name
+    asked = Study(design, output or Path("studies") / name)
     assert asked.runs  # what cannot be is told before anything is written
     return asked
 
 
 def _answered(
-    file: Path, output: Path | None, columns: str | None
+    file: Path, output: Path | None, columns: str | None, quick: bool
 ) -> tuple[Study, Any, list[str]]:
     """A study whose tables are up to date, its means, and the columns that are wanted."""
     from lammps_skin.study.studies.answer import SHOWN, check_columns
     from lammps_skin.study.studies.tables import observables_of, read_means, write_tables
 
-    asked = opened(file, output)
+    asked = opened(file, output, quick)
     wanted = ["".join(word.split()) for word in columns.split(",")] if columns else list(SHOWN)
     check_columns(wanted, observables_of(asked))
     asked.write_design()

@@ -172,7 +172,8 @@ def _client(scheduler: str | None, jobs: int) -> Iterator[Client]:
     except ImportError:
         raise SkinError(NEEDS) from None
     if scheduler is not None:
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        for name in ("distributed", "distributed.client"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         try:
             client = Client(scheduler, set_as_default=False, timeout=PATIENCE)
         except (OSError, ValueError) as error:
@@ -183,7 +184,7 @@ def _client(scheduler: str | None, jobs: int) -> Iterator[Client]:
     with (
         dask.config.set(CONFIG),
         LocalCluster(
-            n_workers=jobs, threads_per_worker=1, memory_limit=0, dashboard_address=None,
+            n_workers=jobs, threads_per_worker=1, memory_limit=0, dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL,
         ) as cluster,
         Client(cluster, set_as_default=False) as client,

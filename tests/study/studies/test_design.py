@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from lammps_skin.errors import SceneError
 from lammps_skin.model.scene import Scene
-from lammps_skin.study.studies.design import Design
+from lammps_skin.study.studies.design import Design, built_in
 from lammps_skin.study.studies.runs import Study
 
 from tests.conftest import Answer
@@ -181,3 +181,21 @@ def test_the_base_scene_is_that_of_the_runs(study: Callable[..., Study]) -> None
     # points of the same scene have the same runs
     same = study(end="[conditions.a]\n[conditions.b]")
     assert len(same.runs) == 2 and len(same.points) == 2
+
+
+def test_built_in_studies(
+    skin: Callable[..., Answer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each loads in full and quick, and can be copied and changed."""
+    monkeypatch.chdir(tmp_path)
+    assert "adhesion" in built_in()
+    for name in built_in():
+        full, quick = Design.load(Path(name)), Design.load(Path(name), quick=True)
+        assert [point.label for point in full.points] == [point.label for point in quick.points]
+        assert full.scene.box_sides > quick.scene.box_sides and len(full.seeds) >= 8
+        assert skin("study", "write", name).code == 0
+        assert Design.load(tmp_path / f"{name}.toml").points == full.points
+        assert f"file {name}.toml: exists" in skin("study", "write", name).err
+    assert "did you mean adhesion?" in skin("study", "adheson").err
+    (tmp_path / "slow.toml").write_text('scene = "two-cells"')
+    assert "--quick: the study has no table `quick`" in skin("study", "slow.toml", "--quick").err

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from random import Random
 
@@ -15,7 +15,7 @@ from lammps_skin.analysis.observables import COLUMNS, read_table
 from lammps_skin.analysis.statistics import mean
 from lammps_skin.model.scene import Scene
 from lammps_skin.study.runner import _attempt
-from lammps_skin.study.studies.runs import KEPT, Study
+from lammps_skin.study.studies.runs import KEPT, Study, StudyRun
 from lammps_skin.study.studies.tables import read_courses, write_tables
 
 from tests.conftest import Answer
@@ -156,3 +156,28 @@ def test_kinds_of_some_points_alone(study: Callable[..., Study]) -> None:
     assert table["mutant"].isna().tolist() == [True] * 4 + [False, False, True, True]
     assert table["condition"].tolist() == ["plain"] * 4 + ["mutant"] * 4
     assert table["cells.kinds.mutant.like"].tolist()[4:] == ["stem"] * 4
+
+
+def test_the_study_of_adhesion(
+    skin: Callable[..., Answer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Quick, from its file to the answer."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("lammps_skin.study.runner.find_spec", lambda name: None)  # no dask
+    monkeypatch.setattr("lammps_skin.study.runner.run_share", in_this_process)
+    answer = skin("study", "adhesion", "--quick")
+    assert answer.code == 0 and "8 points with 2 seeds: 16 runs, 0 of them done" in answer.out
+    answer = skin("study", "show", "adhesion", "--quick", "--columns", "zeta,zeta_nd")
+    table = pd.read_parquet(tmp_path / "studies" / "adhesion-quick" / "table.parquet")
+    assert table["status"].tolist() == ["done"] * 16
+    for condition, rows in table.groupby("condition"):
+        found = mean(rows["zeta_nd"].to_numpy())
+        (line,) = [row for row in answer.out.splitlines() if row.split()[:1] == [condition]]
+        assert line.split()[1] == "2"
+        assert f"{found.value:.3g} [{found.low:.3g}, {found.high:.3g}]" in line
+
+
+def in_this_process(todo: Sequence[StudyRun], keep: bool, *_: object) -> dict[StudyRun, str]:
+    """Runs without processes of their own, which take longer to start than these take to run."""
+    errors = {run: _attempt(run, keep) for run in todo}
+    return {run: error for run, error in errors.items() if error}

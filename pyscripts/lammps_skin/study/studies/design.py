@@ -12,7 +12,7 @@ from typing import Any
 
 from lammps_skin.errors import SceneError
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.scene_keys import PATHS, near, shown, value_of
+from lammps_skin.model.scene_keys import PATHS, merged, near, shown, value_of
 from lammps_skin.model.scenes import BUILT_IN
 from lammps_skin.start.arrangements import place_cells
 from lammps_skin.study.ranges import Window, seeds_of, windows_of
@@ -21,6 +21,7 @@ from lammps_skin.study.studies.samples import Sample
 
 KEYS = ("scene", "seeds", "windows", "fork", "set", "conditions", "grid", "sample")
 MOST_POINTS = 100_000
+BUILT_IN_STUDIES = Path(__file__).parent / "built_in"
 FILES = {".".join(path) for path in PATHS}  # keys of a scene whose values are paths
 
 Keys = dict[str, Any]  # dotted keys of a scene and their values
@@ -83,8 +84,13 @@ class Design:
     fork: float | None
 
     @classmethod
-    def load(cls, path: Path) -> Design:
-        """Design of a file; raises `SceneError` naming the key, the value and what is allowed."""
+    def load(cls, path: Path, quick: bool = False) -> Design:
+        """Design of a file, or of the built-in study of this name.
+
+        With `quick` what the file gives in its table ``quick`` counts more. Raises `SceneError`
+        naming the key, the value and what is allowed.
+        """
+        path = source_of(path)
         try:
             text = path.read_text("utf-8-sig")
             given = tomllib.loads(text)
@@ -94,9 +100,31 @@ class Design:
         except (tomllib.TOMLDecodeError, RecursionError) as error:
             raise SceneError(f"study {path}: not TOML: {error}") from None
         try:
+            faster = _table(given.pop("quick", {}), "quick")
+            if quick and not faster:
+                raise SceneError("--quick: the study has no table `quick`")
+            given = merged(given, faster) if quick else given
             return _design(path.stem, text, given, path.parent)
         except SceneError as error:
             raise SceneError(f"study {path}: {error}") from None
+
+
+def built_in() -> dict[str, Path]:
+    """Files of the built-in studies, by their names."""
+    return {path.stem: path for path in sorted(BUILT_IN_STUDIES.glob("*.toml"))}
+
+
+def source_of(path: Path) -> Path:
+    """The file of a study: of what is none, that of the built-in study of this name."""
+    known = built_in()
+    if path.suffix == ".toml" or path.is_file():
+        return path
+    if str(path) not in known:
+        raise SceneError(
+            f"study {str(path)!r}: neither a .toml file nor one of {', '.join(known)}"
+            f"{near(str(path), known)}"
+        )
+    return known[str(path)]
 
 
 def _design(name: str, text: str, given: Mapping[str, Any], folder: Path) -> Design:
