@@ -139,7 +139,7 @@ $(RUNS)/papilla.toml: docs/start.md
 TRADEOFF := docs/data/tradeoff-quarter-ring
 MADE += $(TRADEOFF).csv $(TRADEOFF)-orders.csv $(TRADEOFF)-ensemble.csv $(TRADEOFF).png
 $(TRADEOFF).csv $(TRADEOFF)-orders.csv $(TRADEOFF)-ensemble.csv $(TRADEOFF).png &: $(RUNS)/crowded.done
-	$(SKIN) tradeoff quarter-ring --interval 10 --from $(RUNS)/crowded --seeds 1-8 --windows 300-600,800-1000 --data $(RUNS)/levels -o $(RUNS)/tradeoff
+	$(SKIN) tradeoff quarter-ring --interval 10 --from $(RUNS)/crowded --seeds 9-16 --windows 300-600,800-1000 --data $(RUNS)/levels -o $(RUNS)/tradeoff
 	for file in $(RUNS)/tradeoff/quarter-ring*.csv $(RUNS)/tradeoff/quarter-ring.png; do cp $$file docs/data/tradeoff-$${file##*/}; done
 
 MADE += docs/data/tradeoff-papilla.csv
