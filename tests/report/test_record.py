@@ -147,7 +147,7 @@ def test_the_command(skin, run: Path, tmp_path: Path) -> None:
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch, run: Path, tmp_path: Path):
     monkeypatch.setattr(library, "PACKAGE", "no-such-package")
-    with pytest.raises(SkinError, match=r"three\.js: needs .*lammps-skin\[report\]"):
+    with pytest.raises(SkinError, match=r"three\.js: needs .*pip install 'trimesh>=5,<6'"):
         report([run], tmp_path / "report.html")
 
 

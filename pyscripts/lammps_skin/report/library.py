@@ -12,7 +12,7 @@ PACKAGE = "trimesh"  # small, and has three.js in the page with which it shows m
 ARCHIVE, MEMBER = "trimesh/resources/templates/viewer.zip", "viewer.html.template"
 # three.js is the first script of that page, and ends like this; what follows is trimesh's own use
 SCRIPT = re.compile(r'<script>(/\*\*\s+\* @license.*?"__esModule",\{value:!0\}\)\}\)\);)', re.S)
-NEEDED = f"needs {PACKAGE}: pip install 'lammps-skin[report]'"
+NEEDED = f"needs {PACKAGE}: pip install '{PACKAGE}>=5,<6'"
 
 
 def three() -> str:
