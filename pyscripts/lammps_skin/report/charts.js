@@ -12,7 +12,8 @@ class Charts {
     this.from = Math.min(...runs.map((run) => run.told.from));
     this.to = Math.max(...runs.map((run) => run.told.to));
     const columns = new Map(runs.flatMap((run) => run.told.columns.map((column) => [column.name, column])));
-    const groups = Map.groupBy ? Map.groupBy(columns.values(), (column) => column.group) : new Map();
+    const groups = new Map();
+    for (const column of columns.values()) groups.set(column.group, [...(groups.get(column.group) ?? []), column]);
     const opened = new Set([...host.querySelectorAll("details")].filter((one) => one.open).map((one) => one.dataset.group));
     const before = host.childElementCount > 0;
     host.replaceChildren();
