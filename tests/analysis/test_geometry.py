@@ -3,7 +3,8 @@
 from itertools import product
 
 import numpy as np
-from lammps_skin.analysis.geometry import minimum_image, nearest, wrapped
+import pytest
+from lammps_skin.analysis.geometry import images, minimum_image, nearest, wrapped
 
 BOX = (5.0, 3.0)
 IMAGES = np.array([(5.0 * i, 3.0 * j, 0.0) for i, j in product(range(-4, 5), repeat=2)])
@@ -39,3 +40,15 @@ def test_nearest_is_the_true_nearest_through_the_edges():
 def test_z_is_open():
     _, distance = nearest(np.array([[0, 0, 0.1]]), np.array([[0, 0, 99.9]]), (5.0, 3.0, 100.0))
     np.testing.assert_allclose(distance, 99.8)
+
+
+def test_images_are_those_that_reach_into_the_box():
+    box, points = (4.0, 6.0), np.array([[0.5, 3.0, 1.0], [2.0, 2.0, 2.0], [3.9, 5.8, 3.0]])
+    places, index = images(points, box, np.array([1.0, 1.0, 0.3]))
+    found = sorted(zip(index.tolist(), places.tolist(), strict=True))
+    assert found == [
+        (0, [0.5, 3.0, 1.0]), (0, [4.5, 3.0, 1.0]), (1, [2.0, 2.0, 2.0]),
+        (2, pytest.approx([-0.1, -0.2, 3.0])), (2, pytest.approx([-0.1, 5.8, 3.0])),
+        (2, pytest.approx([3.9, -0.2, 3.0])), (2, [3.9, 5.8, 3.0]),
+    ]  # fmt: skip
+    assert len(images(points[:0], box, 1.0)[1]) == 0

@@ -52,16 +52,23 @@ def images(points: Floats, box: Box, reach: Floats | float) -> tuple[Floats, Int
     index : (k,) array of int
         Of the point of each.
     """
-    sides = np.asarray(box, float)[:2]
-    near = np.broadcast_to(reach, len(points))[:, None]
+    shifts = [np.array([-1.0, 0.0, 1.0]) * side for side in box[:2]]
+    reaching = [
+        [
+            (points[:, axis] + shift > -reach) & (points[:, axis] + shift < box[axis] + reach)
+            if shift
+            else np.ones(len(points), bool)
+            for shift in shifts[axis]
+        ]
+        for axis in (0, 1)
+    ]
     places, index = [], []
-    for image in np.ndindex(3, 3):
-        place = np.array(points, float)
-        place[:, :2] += (np.array(image) - 1) * sides
-        here = ((place[:, :2] > -near) & (place[:, :2] < sides + near)).all(axis=1)
-        here |= image == (1, 1)
-        places.append(place[here])
-        index.append(np.flatnonzero(here))
+    for i, j in np.ndindex(3, 3):
+        here = np.flatnonzero(reaching[0][i] & reaching[1][j])
+        place = np.array(points[here], float)
+        place[:, :2] += shifts[0][i], shifts[1][j]
+        places.append(place)
+        index.append(here)
     return np.concatenate(places), np.concatenate(index)
 
 

@@ -81,27 +81,29 @@ class Canvas:
         self._draw_surface(corners)
 
     def _draw_spheres(self) -> None:
-        x, y, _ = self.centers.T
-        low = np.maximum(np.ceil([x - self.radii, y - self.radii]), 0).astype(int)
-        most = np.array([self.camera.shape[::-1]]).T - 1
-        high = np.minimum(np.floor([x + self.radii, y + self.radii]), most).astype(int)
-        cut = self._cut(self.spheres.centers, self.spheres.radii[:, None])
-        for n in np.flatnonzero((high >= low).all(axis=0)).tolist():
-            columns, rows = (np.arange(low[a, n], high[a, n] + 1.0) for a in (0, 1))
-            place = slice(low[1, n], high[1, n] + 1), slice(low[0, n], high[0, n] + 1)
-            across, along = columns - x[n], rows[:, None] - y[n]
-            rest = self.radii[n] ** 2 - along**2 - across**2
+        low = np.maximum(np.ceil(self.centers[:, :2] - self.radii[:, None]), 0)
+        high = np.floor(self.centers[:, :2] + self.radii[:, None]) + 1
+        high = np.minimum(high, self.camera.shape[::-1])
+        seen = np.flatnonzero((high > low).all(axis=1)).tolist()
+        cut = self._cut(self.spheres.centers, self.spheres.radii).tolist()
+        (left, bottom), (right, top) = (ends.astype(int).T.tolist() for ends in (low, high))
+        (x, y, z), radii = self.centers.T.tolist(), self.radii.tolist()
+        pixels = np.arange(float(max(self.camera.shape)))
+        for n in seen:
+            place = slice(bottom[n], top[n]), slice(left[n], right[n])
+            rows, columns = pixels[place[0], None], pixels[place[1]]
+            rest = (radii[n] ** 2 - (rows - y[n]) ** 2) - (columns - x[n]) ** 2
             inside = rest >= 0
             half = np.sqrt(np.maximum(rest, 0.0, out=rest), out=rest)
             if self.sides is not None and cut[n]:
-                far, near = self.sides.limits(columns, rows[:, None])
-                inside &= self.centers[n, 2] - half <= near
-                top = np.minimum(self.centers[n, 2] + half, near)
-                inside &= top >= far
+                far, near = self.sides.limits(columns, rows)
+                inside &= z[n] - half <= near
+                nearness = np.minimum(z[n] + half, near)
+                inside &= nearness >= far
             else:
-                top = np.add(half, self.centers[n, 2], out=half)
-            inside &= top > self.depth[place]
-            np.copyto(self.depth[place], top, where=inside)
+                nearness = np.add(half, z[n], out=half)
+            inside &= nearness > self.depth[place]
+            np.copyto(self.depth[place], nearness, where=inside)
             np.copyto(self.owner[place], n, where=inside)
 
     def _draw_surface(self, corners: Floats) -> None:
@@ -125,9 +127,10 @@ class Canvas:
         """Which items, each with points (n, ..., 3), are not whole within the box."""
         if self.sides is None:
             return np.zeros(len(points), bool)
-        places = points[..., :2]
-        out = (places - reach < 0) | (places + reach > self.sides.lengths)
-        return np.asarray(out.any(axis=tuple(range(1, out.ndim))))
+        outside = np.zeros(points.shape[:-1], bool)
+        for axis, length in enumerate(self.sides.lengths):
+            outside |= (points[..., axis] - reach < 0) | (points[..., axis] + reach > length)
+        return np.asarray(outside if outside.ndim == 1 else outside.any(axis=1))
 
     def places(self, every: int = 1) -> Floats:
         """Positions (k, 3) in space of what is seen in the pixels that are not empty.
@@ -207,7 +210,7 @@ def _spans(
     low, high = corners[:, :, 1].min(axis=1), corners[:, :, 1].max(axis=1)
     first = np.maximum(np.ceil(low - TOLERANCE), 0).astype(np.int64)
     last = np.minimum(np.floor(high + TOLERANCE), shape[0] - 1).astype(np.int64)
-    last[~np.isfinite(weights).all(axis=(1, 2))] = -1
+    last[~np.isfinite(weights[:, 1, 0])] = -1
     triangle, row = _ranges(first, last)
     left, right = np.full(len(row), -np.inf), np.full(len(row), np.inf)
     for k in range(3):
