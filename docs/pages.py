@@ -39,7 +39,7 @@ def moments(run: str, path: str, *times: str) -> None:
     figure = Figure(figsize=(4.1 * len(shown), 4.0), layout="constrained")
     for axes, moment in zip(figure.subplots(1, len(shown)), shown, strict=True):
         draw_view(axes, moment, kinds, Look(size=400))
-    legend(figure, shown[0], kinds)
+    legend(figure, shown[-1], kinds)
     save(figure, path)
     reduce(path)
 
