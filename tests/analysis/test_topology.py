@@ -13,6 +13,7 @@ from lammps_skin.analysis.observables import observables
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import MembraneError
 from lammps_skin.figures import snapshot as pictures
+from lammps_skin.figures.look import Look
 from lammps_skin.kinds import Kind
 from meshes import icosphere, sheet
 
@@ -100,12 +101,10 @@ def test_what_needs_no_sheet_is_measured(run: Path) -> None:
     assert table["height"][0] == pytest.approx(HEIGHT, abs=0.1)
 
 
-def test_its_own_triangles_are_drawn(
-    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(pictures, "WIDTH", 150)
+def test_its_own_triangles_are_drawn(run: Path, tmp_path: Path) -> None:
+    look = Look(size=200)
     for view in ("3d", "section"):
-        path = pictures.snapshot(run, None, tmp_path / f"{view}.png", view)
+        path = pictures.snapshot(run, None, tmp_path / f"{view}.png", view, look=look)
         assert path.stat().st_size > 5000
     with pytest.raises(MembraneError, match=r"^membrane: has no height at \d+ of \d+ places"):
-        pictures.snapshot(run, None, tmp_path / "height.png", "height")
+        pictures.snapshot(run, None, tmp_path / "height.png", "height", look=look)
