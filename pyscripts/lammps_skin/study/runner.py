@@ -181,15 +181,17 @@ def _client(scheduler: str | None, jobs: int) -> Iterator[Client]:
         with client:
             yield client
         return
-    with (
-        dask.config.set(CONFIG),
-        LocalCluster(
+    with dask.config.set(CONFIG):
+        cluster = LocalCluster(
             n_workers=jobs, threads_per_worker=1, memory_limit=0, dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL,
-        ) as cluster,
-        Client(cluster, set_as_default=False) as client,
-    ):  # fmt: skip
-        yield client
+        )  # fmt: skip
+        try:
+            with Client(cluster, set_as_default=False) as client:
+                yield client
+        finally:
+            with suppress(TimeoutError):  # a worker that is slow to end does so with this process
+                cluster.close()
 
 
 @contextmanager
