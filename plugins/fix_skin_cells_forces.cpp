@@ -18,7 +18,6 @@ void FixSkinCells::pre_force(int /*vflag*/)
   if (!reach_checked) attachment.check_reach();
   reach_checked = true;
   find_nearest();
-  for (size_t k = 0; k < cells.list.size(); k++) attachment.watch(cells.list[k], closest[k]);
   take_away_left();
 }
 
@@ -66,11 +65,13 @@ void FixSkinCells::min_pre_force(int vflag)
 }
 
 /* ----------------------------------------------------------------------
-   forces of this fix are added before the reverse communication, which sends those on ghosts home
+   forces of this fix are added before the reverse communication, which sends those on ghosts home;
+   trials of Monte Carlo fixes, in which no cell leaves, do not come here
 ------------------------------------------------------------------------- */
 
 void FixSkinCells::pre_reverse(int eflag, int vflag)
 {
+  for (size_t k = 0; k < cells.list.size(); k++) attachment.watch(cells.list[k], closest[k]);
   add_forces(ATTACHMENT | SPRINGS, eflag, vflag);
   put_back_left();
 }
