@@ -3,8 +3,8 @@
 # run again, and a `make pages` that was stopped goes on; to begin from nothing, remove $(RUNS).
 # `make -k pages` goes on with other rows after an error.
 #
-# The ensembles take 5.3 hours of one core of an AMD EPYC: 448 runs of the quarter size of 37 s each,
-# 8 of these that are four times as long, 7 of the paper's size of 210 s each. What the measurements
+# The ensembles take about 3 hours of one core of an AMD EPYC: 448 runs of the quarter size of 20 s each,
+# 8 that are four times as long, 7 of the paper's size of about 90 s each, as `skin check` expects. What the measurements
 # of numerics and speed take in all has not been measured.
 
 RUNS := runs/pages

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -132,12 +133,7 @@ def export_xyz(run: str | Path, output: Path) -> Path:
         The file.
     """
     frames = open_frames(run)
-    try:
-        with atomic_write(output) as place:
-            write_xyz(place, frames.scene, frames, clones(frames))
-    except OSError as error:
-        raise SkinError(f"output {output}: {reason(error)}") from None
-    return output
+    return _written(output, lambda place: write_xyz(place, frames.scene, frames, clones(frames)))
 
 
 def export_vmd(run: str | Path, output: Path) -> list[Path]:
@@ -179,9 +175,14 @@ def export_dump(run: str | Path, output: Path) -> Path:
     frames = open_frames(run)
     if output.exists():
         raise SkinError(f"output {output}: is there already")
+    return _written(output, lambda place: write_dump(place, frames, frames.scene.kinds))
+
+
+def _written(output: Path, write: Callable[[Path], object]) -> Path:
+    """A file that is written as a whole; raises `SkinError` if it cannot be."""
     try:
         with atomic_write(output) as place:
-            write_dump(place, frames, frames.scene.kinds)
+            write(place)
     except OSError as error:
         raise SkinError(f"output {output}: {reason(error)}") from None
     return output
