@@ -52,6 +52,13 @@ def probe(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return compile_probe(tmp_path_factory.mktemp("probe"))
 
 
+def test_the_plugin_does_not_know_where_it_was_compiled() -> None:
+    """Results are keyed by its bytes: clones in two folders share theirs."""
+    plugin = (Path(folder()) / "skinplugin.so").read_bytes()
+    assert b"plugins/fix_skin_motion.cpp" in plugin
+    assert b"/plugins/" not in plugin
+
+
 def load(library: Path, compiled_for: str, ranks: int = 1) -> list[str]:
     """What LAMMPS prints while it loads a plugin, after which it goes on."""
     script = library.parent / "load.in"
