@@ -56,6 +56,7 @@ def test_keys_and_values(text, refused, tmp_path):
         (("stability", "demo", "--vary", "bendin"), "bending"),
         (("stability", "demo", "--methods", "eulr"), "euler"),
         (("snapshot", "nowhere", "--view", "sction"), "section"),
+        (("export", "nowhere", "--to", "vtx"), "vtk"),
     ],
     ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lammps_skin.kinds import is_cell
+from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.report.page import report
 from lammps_skin.run.simulation import Simulation
@@ -134,6 +134,11 @@ def test_copies_cuts_and_kinds(page: Browser) -> None:
     page.value("document.getElementById('copies').click()")
     page.choose("clip-axis", "x")
     assert 0.3 * alone < drawn(pixels(page)) < 0.7 * alone
+    for _ in range(2):  # the viewer stands on the side that is cut away, wherever that is
+        page.until(f"!{VIEW}.due")
+        assert page.value(f"{VIEW}.plane.distanceToPoint({VIEW}.lens.position)") < 0
+        page.value("page.camera.look('aside'); page.camera.turn(450, 0)")  # half a turn
+    page.value("page.camera.look('above')")
     page.choose("clip-axis", "")
     assert drawn(pixels(page)) == pytest.approx(alone, abs=1e-3)
     cells = page.value(f"{VIEW}.drawn")
@@ -164,6 +169,30 @@ def test_two_runs_side_by_side(browser: Browser, run: Path, tmp_path: Path) -> N
     browser.choose("slider", "0")
     assert browser.value("page.views.map((view) => view.drawn)") == [1, 1]
     assert "3 of 6 frames" in browser.value("document.getElementById('warnings').textContent")
+    assert browser.errors == []
+
+
+def test_the_dermis_is_drawn_where_it_is(browser: Browser, tmp_path: Path) -> None:
+    """Only if it is wanted; its box hides it."""
+    scene = Scene.load("one-stem").replace(end_time=1.0, **{"membrane.lattice": [24, 28]})
+    with Simulation.begin(scene, tmp_path / "run") as simulation:
+        simulation.run()
+    plain = report([tmp_path / "run"], tmp_path / "plain.html").read_text()
+    browser.errors.clear()
+    path = report([tmp_path / "run"], tmp_path / "dermis.html", dermis=True)
+    assert len(plain) < len(path.read_text())
+    browser.open(path.as_uri())
+    frame = Store(tmp_path / "run" / "skin.h5")[-1]
+    dermal = frame.positions[frame.kinds == Kind.DERMAL]
+    count = browser.value(f"{VIEW}.grains.count")
+    assert count == len(dermal) > 0
+    matrix = browser.value(f"[...{VIEW}.grains.instanceMatrix.array]")
+    off = np.reshape(matrix, (count, 16))[:, 12:15] - dermal
+    off[:, :2] -= np.array(frame.edges[:2]) * np.rint(off[:, :2] / frame.edges[:2])
+    assert np.abs(off).max() < 1e-3
+    shown = pixels(browser)
+    browser.value("document.getElementById('dermis-shown').click()")
+    assert drawn(pixels(browser)) < 0.8 * drawn(shown)
     assert browser.errors == []
 
 

@@ -256,7 +256,7 @@ def test_what_cannot_be_exported_is_refused(run, tmp_path, capsys):
         (run.directory, "--to", "dump"): "skin.dump: is there already",
         (run.directory, "--to", "vtk", "-o", tmp_path / "file"): "file: File exists",
         (tmp_path / "none.h5", "--to", "vtk"): "none.h5: No such file or directory",
-        (run.directory, "--to", "pdb"): "'pdb' is not one of",
+        (run.directory, "--to", "pdb"): "--to pdb: must be one of vtk, xyz, vmd, dump",
     }
     for arguments, text in cases.items():
         assert export(*arguments) == 2

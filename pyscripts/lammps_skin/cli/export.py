@@ -2,51 +2,46 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from lammps_skin.cli.options import beginning
 from lammps_skin.cli.output import console
+from lammps_skin.errors import SkinError
+from lammps_skin.model.scene_keys import near
 
-
-class Form(StrEnum):
-    """What can be written."""
-
-    VTK = "vtk"
-    XYZ = "xyz"
-    VMD = "vmd"
-    DUMP = "dump"
+FORMS = {"vtk": "vtk", "xyz": "skin.xyz", "vmd": "vmd", "dump": "skin.dump"}
+"""What can be written, and its file or directory in that of the run."""
 
 
 def export(
     run: Annotated[
         Path, typer.Argument(metavar="RUN", help="Directory of a scene that was run, or skin.h5.")
     ],
-    to: Annotated[Form, typer.Option("--to", help="For ParaView, OVITO, VMD, LAMMPS.")],
+    to: Annotated[
+        str,
+        typer.Option(
+            "--to", metavar="FORM", help=f"{', '.join(FORMS)}: for ParaView, OVITO, VMD, LAMMPS.",
+            autocompletion=lambda incomplete: beginning(incomplete, FORMS),
+        ),
+    ],
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o",
-            "--output",
-            metavar="OUT",
+            "-o", "--output", metavar="OUT",
             help="Instead of the directory RUN/vtk or RUN/vmd, or of RUN/skin.xyz or skin.dump.",
         ),
     ] = None,
-) -> None:
+) -> None:  # fmt: skip
     """Write the trajectory of a run for ParaView, OVITO, VMD, or as a dump of LAMMPS."""
-    from lammps_skin.figures.export import export_dump, export_vmd, export_vtk, export_xyz
+    from lammps_skin.figures import export as exports
 
-    directory = run if run.is_dir() else run.parent
+    if to not in FORMS:
+        raise SkinError(f"--to {to}: must be one of {', '.join(FORMS)}{near(to, FORMS)}")
+    place = output or (run if run.is_dir() else run.parent) / FORMS[to]
     with console.status("exporting"):
-        if to == Form.VTK:
-            written = export_vtk(run, output or directory / "vtk")
-        elif to == Form.VMD:
-            written = export_vmd(run, output or directory / "vmd")
-        elif to == Form.XYZ:
-            written = [export_xyz(run, output or directory / "skin.xyz")]
-        else:
-            written = [export_dump(run, output or directory / "skin.dump")]
-    for path in written:
+        written = getattr(exports, f"export_{to}")(run, place)
+    for path in written if isinstance(written, list) else [written]:
         console.print(f"{path}")

@@ -23,10 +23,13 @@ def report(
             metavar="N", help="Most frames to draw [default: as many as keep the page small]."
         ),
     ] = None,
+    dermis: Annotated[
+        bool, typer.Option("--dermis", help="Draw the particles of the dermis, too.")
+    ] = False,
 ) -> None:
     """Write a page that shows a run, or several side by side, in any browser."""
     from lammps_skin.report.page import report as write  # MDAnalysis takes a second to import
 
     with console.status("reading"):
-        path = write(runs, output, frames)
+        path = write(runs, output, frames, dermis)
     console.print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, opens in any browser")

@@ -18,7 +18,7 @@ const CELL_COLOURS = {
     value: (run, n) => run.length(run.arrays.cells, n, 2),
   },
   curvature: {
-    title: "mean curvature of the membrane below", scale: "curvature",
+    title: "mean curvature below", scale: "curvature",
     ends: (run) => [-run.told.ranges.curvature, run.told.ranges.curvature],
     value: (run, n) => run.arrays.cell_curvature[n],
   },
@@ -36,7 +36,7 @@ const CELL_COLOURS = {
     unknown: "divides without end",
   },
   below: {
-    title: "number of cells straight below", scale: "below", ends: (run) => [0, run.most.below],
+    title: "cells straight below", scale: "below", ends: (run) => [0, run.most.below],
     value: (run, n) => run.arrays.cell_below[n],
   },
 };

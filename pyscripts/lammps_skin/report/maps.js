@@ -8,7 +8,7 @@ class Maps {
     const captions = {
       heights: "Height of the membrane (dark is low), with the cells that stay on it",
       clones: "Cells from above, each clone in its colour",
-      section: "Vertical section: membrane and cells; the dermis is not drawn",
+      section: `Vertical section: membrane and cells${run.arrays.dermis ? ", and the dermis" : "; the dermis is not drawn"}`,
     };
     const row = document.createElement("div");
     row.className = "maps";
@@ -96,20 +96,24 @@ class Maps {
     const { low, high } = run.told.ranges, radius = run.told.radius;
     const y = share * side, top = high[2] + radius;
     section.clearRect(0, 0, section.canvas.width, section.canvas.height);
-    section.strokeStyle = "#0009";
     section.lineWidth = 1;
-    for (let n = run.start[view.frame]; n < run.start[view.frame + 1]; n++) {
-      const [cx, cy, cz] = run.cell(n);
+    const disc = ([cx, cy, cz], radius, colour) => {
       const off = (cy - y) - side * Math.round((cy - y) / side);
-      if (Math.abs(off) >= radius) continue;
-      section.fillStyle = css(CELL_COLOURS[view.cellsBy].of(run, n));
+      if (Math.abs(off) >= radius) return;
+      section.fillStyle = colour;
       for (const i of [-x, 0, x]) {
         section.beginPath();
         section.arc((cx + i) * scale, (top - cz) * scale, Math.sqrt(radius ** 2 - off ** 2) * scale, 0, 2 * Math.PI);
         section.fill();
         section.stroke();
       }
-    }
+    };
+    section.strokeStyle = "#0003";
+    const grains = view.earth.visible ? view.grains.count : 0, { radius: size, colour } = run.told.dermis;
+    for (let n = 0; n < grains; n++) disc(run.dermal(view.frame * grains + n), size, colour);
+    section.strokeStyle = "#0009";
+    for (let n = run.start[view.frame]; n < run.start[view.frame + 1]; n++)
+      disc(run.cell(n), radius, css(CELL_COLOURS[view.cellsBy].of(run, n)));
     section.strokeStyle = css(rgb(run.told.membrane).map((part) => part * 0.75));
     section.lineWidth = run.told.thickness * scale;
     section.lineCap = "round";

@@ -13,6 +13,7 @@ class Page {
     this.fillChoices();
     this.views = runs.map((run) => this.addView(run));
     this.maps = runs.map((run) => new Maps($("maps"), run));
+    $("dermis-choice").hidden = !runs.some((run) => run.arrays.dermis);
     this.take(runs);
     this.listen();
   }
@@ -122,6 +123,10 @@ class Page {
     for (const id of ["cells-by", "membrane-by", "kinds", "section-y"])
       $(id).addEventListener("input", () => this.show());
     $("membrane-shown").addEventListener("input", () => this.all((view) => view.showSheet($("membrane-shown").checked)));
+    $("dermis-shown").addEventListener("input", () => {
+      this.all((view) => view.showDermis($("dermis-shown").checked));
+      this.show();
+    });
     $("copies").addEventListener("input", () => this.all((view) => view.tile($("copies").checked)));
     for (const id of ["clip-axis", "clip-at"]) $(id).addEventListener("input", () => {
       $("clip-at").hidden = !$("clip-axis").value;

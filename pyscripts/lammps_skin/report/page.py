@@ -20,7 +20,9 @@ SCRIPTS = ("unpack.js", "colours.js", "view.js", "maps.js", "charts.js", "panels
 MOST_RUNS = 4  # side by side
 
 
-def report(runs: Sequence[Path], output: Path, frames: int | None = None) -> Path:
+def report(
+    runs: Sequence[Path], output: Path, frames: int | None = None, dermis: bool = False
+) -> Path:
     """Write the page of a run, or of several side by side.
 
     Parameters
@@ -30,6 +32,7 @@ def report(runs: Sequence[Path], output: Path, frames: int | None = None) -> Pat
     output : Path
         The file; its folder is made if need be.
     frames : int, optional
+    dermis : bool
         See `record`.
 
     Raises
@@ -39,7 +42,7 @@ def report(runs: Sequence[Path], output: Path, frames: int | None = None) -> Pat
     """
     if not 1 <= len(runs) <= MOST_RUNS:
         raise SkinError(f"runs: are {len(runs)}, must be 1 to {MOST_RUNS} on a page")
-    content = page([record(path, frames) for path in runs])
+    content = page([record(path, frames, dermis, len(runs)) for path in runs])
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(output) as place:

@@ -16,10 +16,11 @@ from lammps_skin.analysis.observables import Run
 from lammps_skin.analysis.state import State, StateAnalysis
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.errors import MembraneError
+from lammps_skin.kinds import Kind
 from lammps_skin.report.packing import quantised
 from lammps_skin.trajectory.clones import clones
 
-STEADY = ("membrane", "curvature", "height")
+STEADY = ("membrane", "curvature", "height", "dermis")
 CELL = ("id", "kind", "clone", "age", "left", "below", "curvature")
 OUTLYING = 0.02  # fraction of curvatures beyond the ends of the colour scale
 
@@ -41,6 +42,8 @@ class Picture(NamedTuple):
         The names in `CELL`: id, number of the kind, founder of the clone, age (NaN of those that
         were not born in the run), generations left (-1: endless or none), number of cells
         straight below, and mean curvature below.
+    dermis : (d, 3) array
+        Positions, each in the image nearest to its first one; (0, 3) if not wanted.
     """
 
     membrane: Floats
@@ -48,20 +51,26 @@ class Picture(NamedTuple):
     height: Floats
     cells: Floats
     of_cells: dict[str, NDArray[Any]]
+    dermis: Floats
 
 
 class Pictures(StateAnalysis):
     """``pictures``: a `Picture` of each frame; ``first`` (n, 3): where the membrane begins."""
 
-    def __init__(self, run: Run, **options: Any) -> None:
+    def __init__(self, run: Run, dermis: bool = False, **options: Any) -> None:
         super().__init__(run.universe, **options)
         self._founders = _founders(run)
-        first = self._state(run.universe.trajectory[0])
+        dermal = run.universe.atoms.types == Kind.DERMAL.label
+        self._dermal = np.flatnonzero(dermal if dermis else np.zeros_like(dermal))
+        moment = run.universe.trajectory[0]
+        first = self._state(moment)
         self.first, self.triangles = wrapped(first.membrane, first.box), first.triangles
+        self._dermis = wrapped(moment.data["position"][self._dermal], first.box)
 
     def _measure(self, state: State) -> tuple[Any, ...]:
         bent = curvature(state.membrane, state.triangles, state.box).mean
-        membrane = self.first + minimum_image(state.membrane - self.first, state.box)
+        membrane = _near(state.membrane, self.first, state.box)
+        dermis = _near(self._ts.data["position"][self._dermal], self._dermis, state.box)
         above = minimum_image(state.cells - state.membrane[state.below], state.box)
         held, of_cells = self._ts.data, state.ids - 1
         radius = state.scene.cells.radius
@@ -73,7 +82,7 @@ class Pictures(StateAnalysis):
             "left": held["divisions_left"][of_cells],
             "below": number_below(state.cells, state.box, radius),
             "curvature": bent[state.below],
-        }),)  # fmt: skip
+        }, dermis),)  # fmt: skip
 
     def _conclude(self) -> None:
         self.pictures: list[Picture] = [picture for _, picture in self._rows]
@@ -86,6 +95,12 @@ def _founders(run: Run) -> Callable[[Ints], Ints]:
         return lambda ids: founder_of(ids, events)
     known = clones(run.universe.trajectory.frames)
     return lambda ids: known[ids - 1]
+
+
+def _near(places: Floats, first: Floats, box: Floats) -> Floats:
+    """Positions (n, 3) in the images nearest to the first ones."""
+    found: Floats = first + minimum_image(places - first, box)
+    return found
 
 
 def _height(state: State) -> Floats:
@@ -131,7 +146,8 @@ def arrays(pictures: Sequence[Picture]) -> tuple[dict[str, NDArray[Any]], dict[s
     bent = np.array([picture.curvature for picture in pictures])
     height = np.array([picture.height for picture in pictures])
     cells = np.concatenate([picture.cells for picture in pictures])
-    around = np.concatenate([membrane.reshape(-1, 3), cells])
+    dermis = np.array([picture.dermis for picture in pictures])
+    around = np.concatenate([membrane.reshape(-1, 3), cells, dermis.reshape(-1, 3)])
     low, high = around.min(axis=0), around.max(axis=0)
     steepest = float(np.nanquantile(np.abs(bent), 1 - OUTLYING)) or 1.0
     bottom, top = np.nanmin(membrane[..., 2]), np.nanmax(membrane[..., 2])
@@ -142,6 +158,8 @@ def arrays(pictures: Sequence[Picture]) -> tuple[dict[str, NDArray[Any]], dict[s
         "number": np.array([len(picture.cells) for picture in pictures], np.int32),
         "cells": quantised(cells, low, high, "u2"),
     }
+    if dermis.size:
+        packed["dermis"] = quantised(dermis, low, high, "u2")
     types = dict(zip(CELL, ("i4", "u1", "i4", "f4", "i2", "u1", "f4"), strict=True))
     for name, kind in types.items():
         values = np.concatenate([picture.of_cells[name] for picture in pictures])

@@ -39,7 +39,9 @@ class Record(NamedTuple):
     packed: bytes
 
 
-def record(path: Path, frames: int | None = None) -> Record:
+def record(
+    path: Path, frames: int | None = None, dermis: bool = False, beside: int = 1
+) -> Record:
     """Read all of a run.
 
     Parameters
@@ -48,6 +50,10 @@ def record(path: Path, frames: int | None = None) -> Record:
         Run directory, or a trajectory.
     frames : int, optional
         Most frames to draw; as many as keep the page small if not given.
+    dermis : bool
+        Whether its particles are drawn, too.
+    beside : int
+        How many runs are on the page.
 
     Raises
     ------
@@ -59,8 +65,8 @@ def record(path: Path, frames: int | None = None) -> Record:
     found = summary(path)
     table = found["observables"]
     with open_run(path) as run:
-        made = Pictures(run)
-        drawn = chosen(len(table["time"]), frames or fitting(len(made.first)))
+        made = Pictures(run, dermis)
+        drawn = chosen(len(table["time"]), frames or fitting(beside * len(made.first)))
         pictures = made.run(frames=drawn).pictures
         frames_of = run.universe.trajectory.frames
         made_with = frames_of.versions if isinstance(frames_of, Store) else {}
@@ -101,6 +107,7 @@ def _of_scene(scene: Scene) -> dict[str, Any]:
         "radius": scene.cells.radius,
         "thickness": 2 * scene.membrane.radius,
         "membrane": to_hex(Kind.MEMBRANE.colour),
+        "dermis": {"radius": scene.dermis.radius, "colour": to_hex(Kind.DERMAL.colour)},
         "kinds": [
             {
                 "number": int(row.kind), "name": row.kind.name, "label": row.label,

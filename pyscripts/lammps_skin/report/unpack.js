@@ -58,6 +58,7 @@ class Run {
   }
 
   length(array, n, axis) { return this.low[axis] + this.unit[axis] * array[3 * n + axis]; }
+  dermal(n) { return [0, 1, 2].map((axis) => this.length(this.arrays.dermis, n, axis)); }
   cell(n) { return [0, 1, 2].map((axis) => this.length(this.arrays.cells, n, axis)); }
   point(frame, n, axis) { return this.length(this.arrays.membrane, frame * this.points + n, axis); }
 }

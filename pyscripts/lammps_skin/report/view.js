@@ -21,6 +21,7 @@ class View {
     this.lens.add(lamp);
     this.scene.add(this.lens, new THREE.HemisphereLight(0xffffff, 0xc8c4c0, 0.62));
     this.tiles = new THREE.Group();
+    this.plane = new THREE.Plane();
     this.scene.add(this.tiles);
     this.take(run);
     new ResizeObserver(() => this.resize(host)).observe(host);
@@ -31,7 +32,7 @@ class View {
   // another run, or the same one grown
   take(run) {
     this.run = run;
-    for (const old of [this.sheet, this.ball, this.balls]) old?.dispose();
+    for (const old of [this.sheet, this.ball, this.balls, this.grain, this.grains]) old?.dispose();
     const { points, arrays, told } = run, copies = arrays.copies.length / 3;
     this.sheet = new THREE.BufferGeometry();
     for (const name of ["position", "normal", "color"])
@@ -45,12 +46,23 @@ class View {
     this.balls = new THREE.InstancedMesh(this.ball, this.skin, most);
     this.balls.setColorAt(0, new THREE.Color());
     this.numbers = new Int32Array(most); // of the cells that are drawn
+    this.takeDermis();
     const [x, y] = told.box;
     this.sides = [[1, 0, 0], [-1, 0, x], [0, 1, 0], [0, -1, y]].map(
       ([a, b, c]) => new THREE.Plane(new THREE.Vector3(a, b, 0), c));
     this.ring = new THREE.Mesh(this.ball, new THREE.MeshBasicMaterial({ color: CHOSEN, transparent: true, opacity: 0.55 }));
     this.ring.scale.setScalar(1.25 * told.radius);
     this.tile(this.copied ?? false);
+  }
+
+  // particles of the dermis, if the page has them
+  takeDermis() {
+    const { dermis, number } = this.run.arrays, { radius, colour } = this.run.told.dermis;
+    const grains = dermis ? dermis.length / 3 / number.length : 0;
+    this.grain = new THREE.SphereGeometry(radius, 10, 7);
+    this.earth = new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide });
+    this.earth.visible = grains > 0 && (this.dermisShown ?? true);
+    this.grains = new THREE.InstancedMesh(this.grain, this.earth, grains);
   }
 
   // the box alone, or with its eight neighbors
@@ -67,7 +79,11 @@ class View {
       sheet.frustumCulled = false;
       const tile = new THREE.Group();
       tile.position.set(i * x, j * y, 0);
-      tile.add(sheet, cells);
+      const dermis = new THREE.InstancedMesh(this.grain, this.earth, 0);
+      dermis.instanceMatrix = this.grains.instanceMatrix;
+      dermis.count = this.grains.count;
+      dermis.frustumCulled = false;
+      tile.add(sheet, cells, dermis);
       this.tiles.add(tile);
     }
     this.tiles.add(this.ring);
@@ -75,20 +91,25 @@ class View {
     this.show(this.frame);
   }
 
-  // cut away what is beyond a plane across an axis, at a share of the way
+  // cut away what is in front of a plane across an axis, at a share of the way
   cut(axis = this.axis, share = this.share) {
     Object.assign(this, { axis, share });
-    const planes = [];
-    if (axis) {
-      const n = "xyz".indexOf(axis), { low, high } = this.run.told.ranges;
-      const from = n < 2 && this.copied ? -this.run.told.box[n] : low[n];
-      const to = n < 2 && this.copied ? 2 * this.run.told.box[n] : high[n] + this.run.told.radius;
-      const normal = new THREE.Vector3().setComponent(n, -1);
-      planes.push(new THREE.Plane(normal, from + share * (to - from)));
-    }
-    this.skin.clippingPlanes = planes;
+    const planes = axis ? [this.plane] : [];
+    this.skin.clippingPlanes = this.earth.clippingPlanes = planes;
     this.paint.clippingPlanes = this.copied ? planes : [...planes, ...this.sides];
     this.draw();
+  }
+
+  // keep the side of the plane on which the viewer is not
+  turnPlane() {
+    if (!this.axis) return;
+    const n = "xyz".indexOf(this.axis), { low, high } = this.run.told.ranges;
+    const from = n < 2 && this.copied ? -this.run.told.box[n] : low[n];
+    const to = n < 2 && this.copied ? 2 * this.run.told.box[n] : high[n] + this.run.told.radius;
+    const at = from + this.share * (to - from);
+    const side = this.lens.position.getComponent(n) < (from + to) / 2 ? 1 : -1;
+    this.plane.normal.set(0, 0, 0).setComponent(n, side);
+    this.plane.constant = -side * at;
   }
 
   showSheet(shown) {
@@ -96,10 +117,22 @@ class View {
     this.draw();
   }
 
+  showDermis(shown) {
+    this.dermisShown = shown;
+    this.earth.visible = shown && this.grains.count > 0;
+    this.draw();
+  }
+
   show(frame) {
     this.frame = Math.min(frame, this.run.last);
     this.showMembrane();
     this.showCells();
+    for (let n = 0; n < this.grains.count; n++) {
+      const at = this.frame * this.grains.count + n, matrix = this.grains.instanceMatrix.array;
+      matrix[16 * n] = matrix[16 * n + 5] = matrix[16 * n + 10] = matrix[16 * n + 15] = 1;
+      matrix.set(this.run.dermal(at), 16 * n + 12);
+    }
+    this.grains.instanceMatrix.needsUpdate = true;
     this.draw();
   }
 
@@ -166,7 +199,8 @@ class View {
     this.due = requestAnimationFrame(() => {
       this.due = 0;
       const { azimuth, elevation, distance, shift } = this.camera, [x, y] = this.run.told.box;
-      const [low, high] = this.run.told.ranges.height, turn = Math.PI / 180;
+      const { low: [, , bottom], high: [, , top], height } = this.run.told.ranges;
+      const [low, high] = this.earth.visible ? [bottom, top] : height, turn = Math.PI / 180;
       const [a, e] = [azimuth * turn, Math.min(Math.max(elevation, -89.9), 89.9) * turn];
       const target = new THREE.Vector3(x / 2, y / 2, (low + high) / 2).add(shift);
       const away = distance * Math.max(x, y) * Math.max(WHOLE / this.lens.aspect, 1);
@@ -174,6 +208,7 @@ class View {
         .multiplyScalar(away).add(target);
       this.lens.up.set(0, 0, 1);
       this.lens.lookAt(target);
+      this.turnPlane();
       this.renderer.render(this.scene, this.lens);
     });
   }
@@ -193,7 +228,7 @@ class View {
     const seen = this.tiles.children.filter((tile) => tile !== this.ring).flatMap((tile) => tile.children);
     const hit = ray.intersectObjects(seen.filter((thing) => thing.material.visible), false).find(
       ({ object, point }) => (object.material.clippingPlanes).every((plane) => plane.distanceToPoint(point) >= 0));
-    return hit && hit.object.isInstancedMesh ? this.numbers[hit.instanceId] : -1;
+    return hit && hit.object.material === this.skin ? this.numbers[hit.instanceId] : -1;
   }
 
   listen(canvas) {
