@@ -201,10 +201,13 @@ def status(file: File, output: Folder = None, quick: Quick = False) -> None:
 def show(
     file: File, columns: Columns = None, output: Folder = None, quick: Quick = False
 ) -> None:
-    """Show means over seeds of each point, with 95 % intervals."""
+    """Show means over seeds of each point, with 95 % intervals, or indices of sensitivity."""
     from lammps_skin.study.studies.answer import answers
 
     asked, means, wanted = _answered(file, output, columns, quick)
+    if asked.design.sample and asked.design.sample.method != "latin":
+        _show_sensitivity(asked, means, wanted)
+        return
     found = answers(asked.design, means, wanted)
     for window in asked.design.windows:
         console.print(f"t = {window}:")
@@ -219,7 +222,6 @@ def show(
             fold=True, whole=[0],
         )  # fmt: skip
         console.print()
-    _show_sensitivity(asked, means, wanted)
 
 
 @study.command()
@@ -287,14 +289,13 @@ def _answered(
 
 
 def _show_sensitivity(asked: Study, means: Any, wanted: list[str]) -> None:
-    """Indices of Morris or Sobol, if the study is a sample of that kind and all points are done."""
+    """Indices of Morris or Sobol in the last window, where all points have a value."""
     import numpy as np
 
     from lammps_skin.study.studies.answer import answers
 
     sample = asked.design.sample
-    if sample is None or sample.method == "latin":
-        return
+    assert sample
     window = asked.design.windows[-1]
     number = sample.number
     for n, column in product(range(0, len(asked.design.points), number), wanted):

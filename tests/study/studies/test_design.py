@@ -98,10 +98,10 @@ def test_samples(study: Callable[..., Study], method: str, number: int) -> None:
 
 
 def test_sensitivity_of_a_linear_function(study: Callable[..., Study]) -> None:
-    """y = 3 a + b of a, b from 0 to 1: Sobol 9/10 and 1/10, Morris 3 and 1 without sigma."""
+    """y = 3 a - b of a, b from 0 to 1: Sobol 9/10 and 1/10, Morris 3 and -1 without sigma."""
     for method, columns, expected in (
         ("sobol", ("first", "total"), [[0.9, 0.9], [0.1, 0.1]]),
-        ("morris", ("mu_star", "sigma"), [[3, 0], [1, 0]]),
+        ("morris", ("mu_star", "mu", "mu_error", "sigma"), [[3, 3, 0, 0], [1, -1, 0, 0]]),
     ):
         design = study(end=f"""
             [sample]
@@ -112,7 +112,7 @@ def test_sensitivity_of_a_linear_function(study: Callable[..., Study]) -> None:
             box_height = [100.0, 101.0]
             """).design
         assert design.sample
-        y = [3 * point.values["cells.radius"] + point.values["box_height"]
+        y = [3 * point.values["cells.radius"] - point.values["box_height"]
              for point in design.points]  # fmt: skip
         names, found = design.sample.sensitivity(np.array(y))
         found = found[:, [names.index(name) for name in columns]]
@@ -191,8 +191,9 @@ def test_built_in_studies(
     assert "adhesion" in built_in()
     for name in built_in():
         full, quick = Design.load(Path(name)), Design.load(Path(name), quick=True)
-        assert [point.label for point in full.points] == [point.label for point in quick.points]
-        assert full.scene.box_sides > quick.scene.box_sides and len(full.seeds) >= 8
+        assert {point.label for point in quick.points} <= {point.label for point in full.points}
+        assert full.scene.box_sides > quick.scene.box_sides
+        assert full.scene.end_time > quick.scene.end_time and len(full.seeds) >= len(quick.seeds)
         assert skin("study", "write", name).code == 0
         assert Design.load(tmp_path / f"{name}.toml").points == full.points
         assert f"file {name}.toml: exists" in skin("study", "write", name).err

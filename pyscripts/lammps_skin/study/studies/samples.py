@@ -117,9 +117,9 @@ class Sample:
         Returns
         -------
         tuple of str
-            Names of the columns: of Morris ``mu_star``, ``mu_star_error``, ``sigma``; of Sobol
-            ``first``, ``first_error``, ``total``, ``total_error``. Errors are half widths of
-            95 % intervals. None of a Latin hypercube.
+            Names of the columns: of Morris ``mu_star``, ``mu_star_error``, ``mu``, ``mu_error``,
+            ``sigma``; of Sobol ``first``, ``first_error``, ``total``, ``total_error``. Errors are
+            half widths of 95 % intervals. None of a Latin hypercube.
         (k, c) array
         """
         if self.method == "latin":
@@ -133,10 +133,15 @@ class Sample:
                 self._problem, results, calc_second_order=False, seed=self.seed
             )
         else:
-            names = {"mu_star": "mu_star", "mu_star_error": "mu_star_conf", "sigma": "sigma"}
+            from scipy.stats import t
+
+            names = {"mu_star": "mu_star", "mu_star_error": "mu_star_conf", "mu": "mu",
+                     "mu_error": "mu_error", "sigma": "sigma"}  # fmt: skip
             found = morris.analyze(
                 self._problem, self._unit(), results, num_levels=LEVELS, seed=self.seed
             )
+            error = found["sigma"] / np.sqrt(self.n)  # of a mean of n independent effects
+            found["mu_error"] = t.ppf(0.975, self.n - 1) * error
         return tuple(names), np.array([found[name] for name in names.values()], float).T
 
 
