@@ -15,6 +15,7 @@ from lammps_skin.analysis.observables import COLUMNS, read_table
 from lammps_skin.analysis.statistics import mean
 from lammps_skin.model.scene import Scene
 from lammps_skin.study.runner import _attempt
+from lammps_skin.study.studies.design import Design, built_in
 from lammps_skin.study.studies.runs import KEPT, Study, StudyRun
 from lammps_skin.study.studies.tables import read_courses, write_tables
 
@@ -175,6 +176,23 @@ def test_the_study_of_adhesion(
         (line,) = [row for row in answer.out.splitlines() if row.split()[:1] == [condition]]
         assert line.split()[1] == "2"
         assert f"{found.value:.3g} [{found.low:.3g}, {found.high:.3g}]" in line
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted({*built_in()} - {"adhesion"}))
+def test_built_in_studies_run(
+    name: str, skin: Callable[..., Answer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Quick, from the file to the answer: every run ends well, and is in the tables."""
+    monkeypatch.chdir(tmp_path)
+    answer = skin("study", name, "--quick")
+    assert answer.code == 0, answer.err
+    answer = skin("study", "show", name, "--quick", "--columns", "coverage")
+    assert answer.code == 0, answer.err
+    table = pd.read_parquet(tmp_path / "studies" / f"{name}-quick" / "table.parquet")
+    assert set(table["status"]) == {"done"} and table["coverage"].between(0, 1).all()
+    for point in Design.load(Path(name), quick=True).points[:20]:
+        assert (table["point"] == point.label).any()
 
 
 def in_this_process(todo: Sequence[StudyRun], keep: bool, *_: object) -> dict[StudyRun, str]:
