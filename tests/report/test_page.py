@@ -196,6 +196,12 @@ def test_the_dermis_is_drawn_where_it_is(browser: Browser, tmp_path: Path) -> No
     assert browser.errors == []
 
 
+def test_what_a_run_lacks_has_no_box(page: Browser) -> None:
+    for name, shown in (("copies", True), ("dermis-shown", False), ("clip-at", False)):
+        box = f"document.getElementById('{name}').getBoundingClientRect()"
+        assert (page.value(f"{box}.width") > 0) == shown, name
+
+
 def test_a_membrane_alone(browser: Browser, tmp_path: Path) -> None:
     scene = Scene.load("bare-membrane").replace(end_time=1.0, **{"membrane.lattice": [12, 14]})
     with Simulation.begin(scene, tmp_path / "bare") as simulation:

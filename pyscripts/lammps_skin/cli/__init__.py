@@ -24,7 +24,7 @@ COMMANDS = {
     "export": "Write the trajectory of a run for ParaView, OVITO, VMD, or as a dump of LAMMPS.",
     "evaluate": "Print energies by term and the force on every particle of a text file.",
     "stats": "Show the observables of a run: over time, averaged, with events and energies.",
-    "report": "Write a page that shows a run, or several side by side, in any browser.",
+    "report": "Write a page that shows a run, several side by side, or a study, in any browser.",
     "watch": "Watch a run as it goes on, in the terminal and in a browser.",
     "ensemble": "Run scenes with many seeds, and store the observables of each run.",
     "compare": "Show runs or ensembles side by side, with tests between them.",

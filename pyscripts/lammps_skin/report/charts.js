@@ -1,17 +1,22 @@
 "use strict";
-// curves of all statistics, with a line at the time that is shown
+// curves of all statistics, of runs or of the points of a study, with a line at the time that is shown
 
 const CHART = { width: 260, height: 104, left: 4, right: 4, top: 6, bottom: 6 };
 const OPEN = ["Cells", "Basal layer", "Order parameters"]; // groups that are open at first
+const MOST_VALUES = 4; // curves whose values stand above a chart
 
-const LINES = SETTINGS.scales.runs; // a colour for each run
+const LINES = SETTINGS.scales.curves;
+const colourOf = (n) => LINES[n % LINES.length];
+const strokeOf = (n) => `stroke="${colourOf(n)}"${n < LINES.length ? "" : ' stroke-dasharray="5 2"'}`;
 
 class Charts {
-  constructor(host, runs, onTime) {
-    Object.assign(this, { runs, onTime, charts: [] });
-    this.from = Math.min(...runs.map((run) => run.told.from));
-    this.to = Math.max(...runs.map((run) => run.told.to));
-    const columns = new Map(runs.flatMap((run) => run.told.columns.map((column) => [column.name, column])));
+  // curves: each has a name, times from and to, columns, a table, and perhaps low and high
+  constructor(host, curves, onTime, hidden = new Set()) {
+    Object.assign(this, { curves, onTime, charts: [] });
+    this.shown = curves.map((_, n) => n).filter((n) => !hidden.has(n));
+    this.from = Math.min(...curves.map((curve) => curve.from));
+    this.to = Math.max(...curves.map((curve) => curve.to));
+    const columns = new Map(curves.flatMap((curve) => curve.columns.map((column) => [column.name, column])));
     const groups = new Map();
     for (const column of columns.values()) groups.set(column.group, [...(groups.get(column.group) ?? []), column]);
     const opened = new Set([...host.querySelectorAll("details")].filter((one) => one.open).map((one) => one.dataset.group));
@@ -30,7 +35,7 @@ class Charts {
     }
   }
 
-  values(name) { return this.runs.map((run) => run.told.table[name] ?? [null]); }
+  values(name, part = "table") { return this.shown.map((n) => this.curves[n][part]?.[name] ?? [null]); }
 
   x(time) {
     const { width, left, right } = CHART;
@@ -39,21 +44,23 @@ class Charts {
 
   add(host, column) {
     const { width, height, top, bottom } = CHART;
-    const all = this.values(column.name), known = all.flat().filter((value) => value !== null);
+    const all = this.values(column.name), lows = this.values(column.name, "low"), highs = this.values(column.name, "high");
+    const known = [all, lows, highs].flat(2).filter((value) => value !== null);
     let [low, high] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
     const [least, greatest] = [low, high];
     if (low > 0 && low < 0.5 * high) low = 0;
     if (low === high) [low, high] = [low - 1, high + 1];
     const y = (value) => top + (height - top - bottom) * (high - value) / (high - low);
-    const lines = all.map((values, n) => {
-      const times = this.runs[n].told.table.time;
+    const lines = all.map((values, place) => {
+      const n = this.shown[place], times = this.curves[n].table.time;
+      const point = (value, frame) => `${this.x(times[frame]).toFixed(1)},${y(value).toFixed(1)}`;
       let path = "", pen = "M";
-      values.forEach((value, place) => {
+      values.forEach((value, frame) => {
         if (value === null) { pen = "M"; return; }
-        path += `${pen}${this.x(times[place]).toFixed(1)},${y(value).toFixed(1)}`;
+        path += pen + point(value, frame);
         pen = "L";
       });
-      return `<path d="${path}" fill="none" stroke="${LINES[n]}" stroke-width="1.6" stroke-linejoin="round"/>`;
+      return `${this.band(lows[place], highs[place], point, n)}<path d="${path}" fill="none" ${strokeOf(n)} stroke-width="1.6" stroke-linejoin="round"/>`;
     });
     const zero = low < 0 && high > 0 ? `<line x1="0" x2="${width}" y1="${y(0)}" y2="${y(0)}" stroke="#c4cad4"/>` : "";
     const figure = document.createElement("figure");
@@ -71,13 +78,26 @@ class Charts {
     this.charts.push({ name: column.name, now: figure.querySelector(".now"), value: figure.querySelector("b") });
   }
 
+  // the intervals of a curve, in pieces where they are known
+  band(lows, highs, point, n) {
+    let path = "", piece = [];
+    const close = () => {
+      if (piece.length > 1)
+        path += `M${piece.map((f) => point(highs[f], f)).join("L")}L${piece.reverse().map((f) => point(lows[f], f)).join("L")}Z`;
+      piece = [];
+    };
+    lows.forEach((low, frame) => (low === null ? close() : piece.push(frame)));
+    close();
+    return path && `<path class="band" d="${path}" fill="${colourOf(n)}" fill-opacity="0.18"/>`;
+  }
+
   // what the mean over the late times is, with its interval
   mean(name) {
-    return this.runs.map((run) => {
-      const mean = run.told.means.means[name];
+    return this.shown.map((n) => {
+      const means = this.curves[n].means, mean = means?.means[name];
       if (!mean || mean.value === null) return "";
       const interval = mean.low === null ? "" : ` (${short(mean.low)} to ${short(mean.high)})`;
-      return `<br>mean from t = ${short(run.told.means.start)} on: ${short(mean.value)}${interval}`;
+      return `<br>mean from t = ${short(means.start)} on: ${short(mean.value)}${interval}`;
     }).join("");
   }
 
@@ -86,12 +106,21 @@ class Charts {
     for (const { name, now, value } of this.charts) {
       now.setAttribute("x1", x);
       now.setAttribute("x2", x);
-      value.textContent = this.runs.map((run) => {
-        const times = run.told.table.time;
+      value.textContent = this.shown.length > MOST_VALUES ? "" : this.shown.map((n) => {
+        const { table } = this.curves[n], times = table.time;
         let best = 0;
         for (let n = 0; n < times.length; n++) if (Math.abs(times[n] - time) < Math.abs(times[best] - time)) best = n;
-        return short((run.told.table[name] ?? [null])[best] ?? null);
+        return short((table[name] ?? [null])[best] ?? null);
       }).join(" | ");
     }
   }
+}
+
+// the names of curves, each with a box that hides it
+function legendOfCurves(host, curves, changed) {
+  const dashes = (n) => (n < LINES.length ? "solid" : "dashed");
+  host.innerHTML = curves.length < 2 ? "" : curves.map((curve, n) =>
+    `<label class="check"><input type="checkbox" value="${n}" checked>
+     <span class="line" style="border-top:3px ${dashes(n)} ${colourOf(n)}"></span>${clean(curve.name)}</label>`).join("");
+  host.oninput = () => changed(new Set([...host.querySelectorAll("input:not(:checked)")].map((box) => Number(box.value))));
 }

@@ -4,12 +4,13 @@
 const WIDE = 900; // pixels of a map
 
 class Maps {
-  constructor(host, run) {
+  constructor(host, run, name) {
     const captions = {
       heights: "Height of the membrane (dark is low), with the cells that stay on it",
       clones: "Cells from above, each clone in its colour",
       section: `Vertical section: membrane and cells${run.arrays.dermis ? ", and the dermis" : "; the dermis is not drawn"}`,
     };
+    if (name) host.insertAdjacentHTML("beforeend", `<h3>${clean(name)}</h3>`);
     const row = document.createElement("div");
     row.className = "maps";
     row.innerHTML = Object.entries(captions).map(([name, caption]) =>

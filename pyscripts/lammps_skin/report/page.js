@@ -5,37 +5,45 @@ const $ = (id) => document.getElementById(id);
 const AGAIN = 2000; // milliseconds between two looks at a run that goes on
 
 class Page {
-  constructor(runs) {
-    this.runs = runs;
-    this.time = runs[0].told.frames.at(-1);
+  // runs, and the study to which they belong, if any; it may have kept none
+  constructor(runs, study) {
+    Object.assign(this, { runs, study });
+    document.body.classList.toggle("without-runs", !runs.length);
+    document.body.classList.toggle("without-study", !study);
+    if (study) this.answer = new Answer($("answer"), $("window"), study);
+    this.time = Math.max(...this.times());
     this.chosen = null;
     this.camera = new Camera(() => this.views?.forEach((view) => view.draw()));
     this.fillChoices();
     this.views = runs.map((run) => this.addView(run));
-    this.maps = runs.map((run) => new Maps($("maps"), run));
+    this.maps = runs.map((run) => new Maps($("maps"), run, runs.length > 1 || study ? run.told.name : ""));
     $("dermis-choice").hidden = !runs.some((run) => run.arrays.dermis);
     this.take(runs);
     this.listen();
+  }
+
+  times() {
+    const { runs, study } = this;
+    return runs.length ? runs.flatMap((run) => run.told.frames) : study.curves.flatMap((curve) => curve.table.time);
   }
 
   // runs that are new, or have grown
   take(runs) {
     const atEnd = this.time >= this.steps?.at(-1);
     this.runs = runs;
-    this.steps = [...new Set(runs.flatMap((run) => run.told.frames))].sort((a, b) => a - b);
+    this.steps = [...new Set(this.times())].sort((a, b) => a - b);
     $("slider").max = this.steps.length - 1;
     this.views.forEach((view, n) => { if (view.run !== runs[n]) view.take(runs[n]); });
     this.maps.forEach((maps, n) => maps.take(runs[n]));
-    this.charts = new Charts($("charts"), runs, (time) => this.goTo(time));
-    $("lead").textContent = runs.map(({ told }) =>
-      `${runs.length > 1 ? `${told.name}: ` : ""}${told.description || told.scene}, parameters ${told.parameters}, t = ${short(told.from)} to ${short(told.to)}`).join(" | ");
-    const line = (told, text, style) =>
-      `<li class="${style}">${runs.length > 1 ? `${clean(told.name)}: ` : ""}${clean(text)}</li>`;
-    $("warnings").innerHTML = runs.flatMap(({ told }) => [
-      ...told.warnings.map((text) => line(told, text, "")),
-      ...(told.thinned ? [line(told, told.thinned, "plain")] : []),
-    ]).join("");
-    $("made").innerHTML = runs.map(made).join("");
+    const curves = this.study ? this.study.curves : runs.map((run) => run.told);
+    this.charts = new Charts($("charts"), curves, (time) => this.goTo(time));
+    legendOfCurves($("curves"), curves, (hidden) => {
+      this.charts = new Charts($("charts"), curves, (time) => this.goTo(time), hidden);
+      this.charts.show(this.time);
+    });
+    $("lead").textContent = leadOf(this.runs, this.study);
+    $("warnings").innerHTML = warningsOf(this.runs, this.study);
+    $("made").innerHTML = (this.study ? madeOf(this.study) : "") + runs.map(made).join("");
     this.goTo(atEnd ? this.steps.at(-1) : this.time);
   }
 
@@ -77,11 +85,12 @@ class Page {
     this.views.forEach((view, n) => {
       Object.assign(view, this.choices(), { hidden });
       view.show(view.run.frameAt(this.time));
-      view.caption.textContent = `${this.runs.length > 1 ? `${view.run.told.name}, ` : ""}t = ${short(view.run.told.frames[view.frame])}: `
+      view.caption.textContent = `${this.runs.length > 1 || this.study ? `${view.run.told.name}, ` : ""}t = ${short(view.run.told.frames[view.frame])}: `
         + `${view.drawn.toLocaleString("en")} cells drawn`;
       this.maps[n].show(view, Number($("section-y").value));
     });
-    $("section-at").textContent = this.runs.map((run) => `y = ${short(run.told.box[1] * $("section-y").value)}`).join(" | ");
+    const sections = this.runs.map((run) => `y = ${short(run.told.box[1] * $("section-y").value)}`);
+    $("section-at").textContent = [...new Set(sections)].join(" | ");
     this.charts.show(this.time);
     $("events").innerHTML = this.runs.map((run) => events(run, this.time)).join("");
     this.tellHistory();
@@ -172,7 +181,7 @@ async function follow(page, version) {
 }
 
 embedded().then((runs) => {
-  window.page = new Page(runs);
+  window.page = new Page(runs, JSON.parse($("study").textContent));
   document.body.dataset.ready = "yes";
   if (SETTINGS.live) follow(window.page, SETTINGS.live);
 });

@@ -15,8 +15,10 @@ from lammps_skin.errors import SkinError
 from lammps_skin.files import atomic_write
 from lammps_skin.report.library import three
 from lammps_skin.report.record import Record, record, scales
+from lammps_skin.report.study import study_pages
 
-SCRIPTS = ("unpack.js", "colours.js", "view.js", "maps.js", "charts.js", "panels.js", "page.js")
+SCRIPTS = ("unpack.js", "colours.js", "view.js", "maps.js", "charts.js", "panels.js", "study.js",
+           "page.js")  # fmt: skip
 MOST_RUNS = 4  # side by side
 
 
@@ -42,7 +44,34 @@ def report(
     """
     if not 1 <= len(runs) <= MOST_RUNS:
         raise SkinError(f"runs: are {len(runs)}, must be 1 to {MOST_RUNS} on a page")
-    content = page([record(path, frames, dermis, len(runs)) for path in runs])
+    return _written(page([record(path, frames, dermis, len(runs)) for path in runs]), output)
+
+
+def report_study(
+    folder: Path, output: Path, frames: int | None = None, dermis: bool = False
+) -> Path:
+    """Write the page of a study: its answer, its time courses, and a kept run of each point.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the study.
+    output : Path
+        The file; its folder is made if need be.
+    frames : int, optional
+    dermis : bool
+        See `record`.
+
+    Raises
+    ------
+    SkinError
+        If there are no tables, if no run is done, or if the file cannot be written.
+    """
+    told, records = study_pages(folder, MOST_RUNS, frames, dermis)
+    return _written(page(records, study=told), output)
+
+
+def _written(content: str, output: Path) -> Path:
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(output) as place:
@@ -52,7 +81,7 @@ def report(
     return output
 
 
-def page(records: Sequence[Record], live: int = 0) -> str:
+def page(records: Sequence[Record], live: int = 0, study: dict[str, Any] | None = None) -> str:
     """HTML of some runs.
 
     Parameters
@@ -60,19 +89,22 @@ def page(records: Sequence[Record], live: int = 0) -> str:
     records : sequence of Record
     live : int
         Not 0: the number of this version; the page asks where it came from for later ones.
+    study : dict, optional
+        What is told of the study to which they belong.
     """
     folder = files(__package__ or "lammps_skin.report")
 
     def of(name: str) -> str:
         return folder.joinpath(name).read_text("utf-8")
 
-    names = " and ".join(dict.fromkeys(one.told["name"] for one in records))
+    names = [study["name"]] if study else dict.fromkeys(one.told["name"] for one in records)
     parts = {
-        "title": escape(names),
+        "title": escape(" and ".join(names)),
         "style": of("page.css"),
         "three": three(),
         "data": "\n".join(_data(n, one) for n, one in enumerate(records)),
         "settings": _json({"scales": scales(), "live": live}),
+        "study": _json(study),
         "scripts": "\n".join(of(name) for name in SCRIPTS),
     }
     return re.sub(r"<!--(\w+)-->", lambda mark: parts[mark[1]], of("page.html"))

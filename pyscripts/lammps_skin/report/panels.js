@@ -84,6 +84,29 @@ function events(run, time) {
     ${table(["time", "event", "kind", "generations left"], rowsOf(run, latest), [0, 3])}</div>`;
 }
 
+// what was run, in a line
+function leadOf(runs, study) {
+  if (study) {
+    const { points, scene, parameters } = study, all = points.reduce((sum, point) => sum + point.runs, 0);
+    return `${scene}, parameters ${parameters}: ${points.length} points, ${all} runs`;
+  }
+  return runs.map(({ told }) => `${runs.length > 1 ? `${told.name}: ` : ""}${told.description || told.scene}, `
+    + `parameters ${told.parameters}, t = ${short(told.from)} to ${short(told.to)}`).join(" | ");
+}
+
+// warnings and what was left out; those of runs of a study stand below each other, folded
+function warningsOf(runs, study) {
+  const several = study || runs.length > 1;
+  const line = (told, text, style) => `<li class="${style}">${told && several ? `${clean(told.name)}: ` : ""}${clean(text)}</li>`;
+  const ofRuns = runs.flatMap(({ told }) => [
+    ...told.warnings.map((text) => line(told, text, "")),
+    ...(told.thinned ? [line(told, told.thinned, "plain")] : []),
+  ]).join("");
+  if (!study) return ofRuns;
+  return [...study.warnings.map((text) => line(null, text, "")), ...study.remarks.map((text) => line(null, text, "plain")),
+    ofRuns && `<li class="plain"><details><summary>Of the runs that are drawn</summary><ul class="warnings">${ofRuns}</ul></details></li>`].join("");
+}
+
 // scene, parameters and provenance
 function made(run) {
   const { told } = run;

@@ -29,7 +29,8 @@ from lammps_skin.versions import versions
 MOST_FRAMES, MOST_POINTS = 101, 2_500_000  # drawn; points are those of the membrane in all frames
 FEWEST = 5
 SHADES = 32
-RUNS = "#0072B2", "#E69F00", "#009E73", "#CC79A7"  # curves of runs, for eyes that see in any way
+# of runs and points, for eyes that see in any way
+CURVES = "#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#4D4D4D"
 
 
 class Record(NamedTuple):
@@ -39,9 +40,7 @@ class Record(NamedTuple):
     packed: bytes
 
 
-def record(
-    path: Path, frames: int | None = None, dermis: bool = False, beside: int = 1
-) -> Record:
+def record(path: Path, frames: int | None = None, dermis: bool = False, beside: int = 1) -> Record:
     """Read all of a run.
 
     Parameters
@@ -133,14 +132,18 @@ def fitting(points: int) -> int:
 
 
 def scales() -> dict[str, list[str]]:
-    """Colours of the page, from low to high: those of snapshots; of clones, and of runs."""
+    """Colours of the page, from low to high: those of snapshots; of clones, and of curves."""
     shown = {name: colouring.colours for name, colouring in COLOURINGS.items()}
     shades = {
         name: [to_hex(colormaps[scale](n / (SHADES - 1))) for n in range(SHADES)]
         for name, scale in {**shown, "below": shown["height"]}.items()
     }
     clones = colormaps[CLONES]
-    return {**shades, "clones": [to_hex(clones(n)) for n in range(clones.N)], "runs": list(RUNS)}
+    return {
+        **shades,
+        "clones": [to_hex(clones(n)) for n in range(clones.N)],
+        "curves": list(CURVES),
+    }
 
 
 def _events(events: Events | None) -> tuple[dict[str, NDArray[Any]], dict[str, list[str]]]:

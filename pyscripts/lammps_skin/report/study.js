@@ -1,0 +1,47 @@
+"use strict";
+// the answer of a study: means over seeds in a window of time, with their intervals
+
+class Answer {
+  constructor(host, choice, study) {
+    Object.assign(this, { host, choice, study });
+    choice.innerHTML = study.windows.map((window) => `<option>${clean(window)}</option>`).join("");
+    choice.value = study.windows.at(-1);
+    choice.addEventListener("input", () => this.show());
+    const groups = new Set(study.columns.map((column) => column.group));
+    host.innerHTML = [...groups].map((group, n) => `<details data-group="${group}" ${n ? "" : "open"}>
+      <summary>${group}</summary><div class="wide"></div></details>`).join("");
+    this.show();
+  }
+
+  show() {
+    for (const box of this.host.children)
+      box.lastElementChild.innerHTML = this.table(this.study.columns.filter(({ group }) => group === box.dataset.group));
+  }
+
+  // a row for each point; a bar below each mean is its interval, on the scale of its column
+  table(columns) {
+    const { points } = this.study, means = this.study.means[this.choice.value];
+    const shown = columns.filter(({ name }) => means[name].some(([value]) => value !== null));
+    const scales = new Map(shown.map(({ name }) => {
+      const ends = means[name].flatMap(([value, low, high]) => [value, low, high]).filter((end) => end !== null);
+      return [name, [Math.min(...ends), Math.max(...ends)]];
+    }));
+    const rows = points.map((point, n) => `<tr><td>${clean(point.name)}</td><td class="number">${point.done}</td>
+      ${shown.map(({ name }) => `<td data-column="${name}">${interval(means[name][n], scales.get(name))}</td>`).join("")}</tr>`);
+    const heads = ["point", "seeds", ...shown.map(({ title }) => title)];
+    return `<table class="answer"><tr>${heads.map((head) => `<th>${clean(head)}</th>`).join("")}</tr>${rows.join("")}</table>`;
+  }
+}
+
+function interval([value, low, high], [least, greatest]) {
+  if (value === null) return "–";
+  const share = (end) => (100 * (end - least) / (greatest - least || 1)).toFixed(1);
+  const known = low !== null, [from, to] = known ? [low, high] : [value, value];
+  return `${short(value)}${known ? ` <span>(${short(low)} to ${short(high)})</span>` : ""}
+    <i><u style="left:${share(from)}%;right:${100 - share(to)}%"></u><b style="left:${share(value)}%"></b></i>`;
+}
+
+// what was run
+function madeOf(study) {
+  return `<div><h3>${clean(study.name)}: the file of the study</h3><pre class="scroll">${clean(study.file)}</pre></div>`;
+}
