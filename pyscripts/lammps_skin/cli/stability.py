@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from lammps_skin.cli.cores import warn_of_crowding
 from lammps_skin.cli.ensemble import INTERRUPTED
 from lammps_skin.cli.options import (
     Accuracy,
+    Jobs,
     Parameters,
     Seed,
     Settings,
     Source,
     scene_from,
 )
-from lammps_skin.cli.output import console, print_table
+from lammps_skin.cli.output import console, counted, print_table
 from lammps_skin.cli.progress import Progress
+from lammps_skin.engine.machine import cores
 from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.model.scene_keys import near
 
 if TYPE_CHECKING:
     from lammps_skin.study.stability.methods import Method
     from lammps_skin.study.stability.report import Row
-    from lammps_skin.study.stability.trials import Point, Trials
+    from lammps_skin.study.stability.trials import Limits, Point, Trials
 
 LIMIT = 100.0  # of stiffness, where the scene has none
 
@@ -57,6 +59,7 @@ def stability(
     tolerance: Annotated[
         float, typer.Option(help="Relative, of a timestep; at least 0.001.")
     ] = 0.05,
+    jobs: Jobs = None,
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for tables and plot.")
     ] = Path("stability"),
@@ -86,14 +89,11 @@ def stability(
         console.print(f"left out: {reason}")
     if not points:
         raise SceneError(f"--vary {vary}: nothing of it can be varied in this scene")
-    with ExitStack() as stack:
-        for one in points.values():
-            stack.enter_context(closing(one))
-        try:
-            rows = _measure(points, [m for m in found if m.name in chosen], tolerance)
-        except KeyboardInterrupt:
-            console.print("interrupted; the same command goes on with what is missing")
-            raise typer.Exit(INTERRUPTED) from None
+    try:
+        rows = _measure(points, [m for m in found if m.name in chosen], tolerance, jobs)
+    except KeyboardInterrupt:
+        console.print("interrupted; the same command goes on with what is missing")
+        raise typer.Exit(INTERRUPTED) from None
     _show(rows, scene.name, start, interval, output)
 
 
@@ -121,25 +121,38 @@ def _factors(text: str) -> list[float]:
     return numbers
 
 
-def _measure(trials: dict[Point, Trials], found: list[Method], tolerance: float) -> list[Row]:
-    """Limits that are missing, with a progress bar."""
+def _measure(
+    trials: dict[Point, Trials], found: list[Method], tolerance: float, jobs: int | None
+) -> list[Row]:
+    """All limits; those that are missing are found on workers, a point at a time on each."""
+    from lammps_skin.study.runner import run_all
     from lammps_skin.study.stability.report import row
+    from lammps_skin.study.stability.trials import Limits
 
-    rows, total, done = [], len(trials) * len(found), 0
+    todo: dict[str, Limits] = {}  # by what they depend on: points may be the same
+    for point, one in trials.items():
+        if not one.done(found, tolerance):
+            todo.setdefault(one.key, Limits(point, one, tuple(found), tolerance))
+    together = min(jobs or cores(), len(todo))
+    warn_of_crowding(together, "run")
+    total = sum(job.length for job in todo.values())
+    reached: dict[Limits, float] = {}
     with Progress(total) as progress:
-        for (name, factor), one in trials.items():
-            for n, method in enumerate(found):
-                news = f"{name} x {factor:g}, {method.name}: {done + n} of {total}"
-                progress.show(done + n, news)
-                try:
-                    limit = one.limit(method, tolerance)
-                    eigenvalues = one.eigenvalues(method.stiffness_limit)
-                except SimulationError as error:
-                    console.print(f"left out: {name} x {factor:g}: {error}")
-                    break
-                rows.append(row(name, factor, method, limit, eigenvalues))
-            one.close()
-            done += len(found)
+
+        def show(job: Limits, done: float) -> None:
+            reached[job] = done
+            limits = counted(round(total), "limit")
+            progress.show(sum(reached.values()), f"{sum(reached.values()):g} of {limits}")
+
+        failures = run_all(list(todo.values()), together, progress=show)
+    rows = []
+    for point, one in trials.items():
+        for method in found:
+            if not one.done([method], tolerance):
+                console.print(f"left out: {point}: {failures[todo[one.key]]}")
+                break
+            limit = one.limit(method, tolerance)
+            rows.append(row(*point, method, limit, one.eigenvalues(method.stiffness_limit)))
     if not rows:
         raise SimulationError("nothing could be measured")
     return rows

@@ -70,8 +70,11 @@ def run(
     from lammps_skin.study.runner import run_share
     from lammps_skin.study.studies.tables import write_tables
 
+    part = _share_of(share) if share is not None else None
+    if part and (jobs or scheduler):
+        option = "--jobs" if jobs else "--scheduler"
+        raise SceneError(f"--share {share}: runs one after the other; {option} must not be given")
     asked = opened(file, output, quick)
-    part = _share_of(share) if share else None
     design = asked.design
     todo = asked.todo(part)
     console.print(
@@ -135,11 +138,11 @@ def slurm(
     command += ["--quick"] * quick
     lines = [
         "#!/bin/sh",
-        f"#SBATCH --job-name={asked.design.name}",
+        f"#SBATCH {shlex.quote(f'--job-name={asked.design.name}')}",
         f"#SBATCH --array=1-{tasks}",
         "#SBATCH --ntasks=1",
         f"#SBATCH --cpus-per-task={cpus}",
-        f"#SBATCH --output={asked.design.name}-%a.log",
+        f"#SBATCH {shlex.quote(f'--output={asked.design.name}-%a.log')}",
         "# the same script goes on with what is missing after a limit of time or a failure",
         f"exec {shlex.join(command)} --share $SLURM_ARRAY_TASK_ID/{tasks}",
     ]
@@ -151,7 +154,7 @@ def slurm(
     seconds = expected_seconds(todo) / tasks
     console.print(
         f"{path}: {counted(tasks, 'task')}, about {duration(seconds)} each on one core; start it "
-        f"with sbatch {path}"
+        f"with sbatch {shlex.quote(str(path))}"
     )
 
 

@@ -20,7 +20,8 @@ from lammps_skin.cli.options import (
 )
 from lammps_skin.cli.output import console, print_table
 from lammps_skin.cli.progress import Progress
-from lammps_skin.errors import SceneError
+from lammps_skin.engine.machine import cores
+from lammps_skin.errors import SceneError, SimulationError
 from lammps_skin.model.stiffness import evaluations
 from lammps_skin.study.ranges import Window, seeds_of, windows_of
 from lammps_skin.study.tradeoff.grid import Grid, Variant, variants
@@ -90,7 +91,7 @@ def tradeoff(
     measurements = measure.Measurements(scene, output / "measured", start, interval)
     failures: dict[Member, str] = {}
     try:
-        _measure(measurements, found)
+        _measure(measurements, found, jobs)
         if not (quick or present):
             members = [
                 member
@@ -128,12 +129,13 @@ def variant_from(text: str) -> tuple[str, dict[str, Any]]:
         ) from None
 
 
-def _measure(measurements: Measurements, found: list[Variant]) -> None:
+def _measure(measurements: Measurements, found: list[Variant], jobs: int | None) -> None:
     """Trajectories and timings that are missing, with a progress bar in force evaluations."""
-    from lammps_skin.study.tradeoff.measure import ROUNDS
+    from lammps_skin.study.runner import run_all
+    from lammps_skin.study.tradeoff.measure import ROUNDS, Trajectory
 
     trajectories = [
-        one
+        Trajectory(one, measurements)
         for one in (measurements.finest(), *found)
         if not measurements.end_state_path(one).exists()
     ]
@@ -145,25 +147,25 @@ def _measure(measurements: Measurements, found: list[Variant]) -> None:
     def work(one: Variant) -> float:
         return measurements.interval * evaluations(one.scene) / one.scene.numerics.timestep
 
-    total = sum(map(work, trajectories)) + ROUNDS * sum(map(work, chain(*groups)))
-    done = 0.0
+    parts = {job.label: work(job.one) for job in trajectories}
+    total = sum(parts.values()) + ROUNDS * sum(map(work, chain(*groups)))
+    reached: dict[str, float] = {}
     with Progress(total) as progress:
-        for one in trajectories:
-            part = work(one)
 
-            def advance(name: str, time: float, part: float = part, done: float = done) -> None:
-                progress.show(done + part * time / measurements.interval, f"trajectory of {name}")
+        def advance(job: Trajectory, time: float) -> None:
+            reached[job.label] = parts[job.label] * time / job.length
+            progress.show(sum(reached.values()), job.label)
 
-            measurements.end_state(one, advance)
-            done += part
-        for group in groups:
-            parts = {one.name: work(one) for one in group}
+        def turn(one: Variant) -> None:
+            name = f"time of {one.name}"
+            reached[name] = reached.get(name, 0.0) + work(one)
+            progress.show(sum(reached.values()), name)
 
-            def turn(name: str, _: float, parts: dict[str, float] = parts) -> None:
-                nonlocal done
-                done += parts[name]
-                progress.show(done, f"time of {name}")
-
+        failures = run_all(trajectories, jobs or cores(), progress=advance)
+        if failures:
+            job, text = next(iter(failures.items()))
+            raise SimulationError(f"{job.label}: {text}")
+        for group in groups:  # in this process, while no other run disturbs them
             measurements.time_group(group, turn)
 
 

@@ -14,11 +14,11 @@ import json
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.lib import recfunctions
@@ -43,34 +43,27 @@ from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.study import cost
 from lammps_skin.study.result_keys import result_key, without_seed
+from lammps_skin.study.runner import Job, Progress
 from lammps_skin.trajectory.store import Store
 from lammps_skin.versions import versions
 
 REPORTS = 200  # of the time of a run to the bar
 SCENE = "scene: "  # begins the comment of a gathered table that says what was given
 KEY = re.compile(r", key ([0-9a-f]+)$")  # how the first comment of a gathered table ends
-Progress = Callable[[float], None]
-
-
-def _today() -> tuple[tuple[str, str], ...]:
-    return tuple(versions().items())
 
 
 @dataclass(frozen=True)
-class Member:
+class Member(Job):
     """One run of an ensemble: a scene with its seed, in the folder of the ensemble.
 
     Attributes
     ----------
     scene : Scene
     folder : Path
-    made_by : tuple of (name, version)
-        What runs it, or has run it.
     """
 
     scene: Scene
     folder: Path
-    made_by: tuple[tuple[str, str], ...] = field(default_factory=_today)
 
     @property
     def seed(self) -> int:
@@ -80,6 +73,13 @@ class Member:
     @property
     def label(self) -> str:
         return f"{self.scene.name}, seed {self.seed}"
+
+    @property
+    def length(self) -> float:
+        return self.scene.end_time
+
+    def placed(self) -> Self:
+        return replace(self, folder=self.folder.absolute())
 
     @property
     def key(self) -> str:
@@ -139,9 +139,6 @@ class Member:
     def tidy(self) -> None:
         """Remove what is not needed once the observables are stored."""
         shutil.rmtree(self.directory)
-
-    def note(self, event: str, error: str = "") -> None:
-        """Note that the run has begun, is resumed, done or failed; an ensemble keeps no history."""
 
     def _simulation(self, lock: DirectoryLock) -> Simulation:
         if not holds_results(self.directory):
@@ -215,7 +212,7 @@ def member_of(directory: Path, folder: Path) -> Member:
         made_by = versions()
         if isinstance(frames, Store):
             made_by = {name: frames.versions.get(name, "unknown") for name in made_by}
-        return Member(run.scene, folder, tuple(made_by.items()))
+        return Member(run.scene, folder, made_by=tuple(made_by.items()))
 
 
 # ---- results

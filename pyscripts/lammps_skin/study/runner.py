@@ -11,15 +11,16 @@ import os
 import signal
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 from uuid import uuid4
 
 from lammps_skin.engine.machine import LIMIT, cores
@@ -30,9 +31,7 @@ from lammps_skin.versions import versions
 if TYPE_CHECKING:
     from distributed import Client
 
-    from lammps_skin.study.ensemble import Member
-
-Progress = Callable[["Member", float], None]
+Progress = Callable[[float], None]
 
 NEEDS = "needs dask: pip install 'lammps-skin[study]'"
 TIMES = "skin-times"  # topic of the events with which workers tell how far their runs are
@@ -58,34 +57,69 @@ class Abandoned(Exception):
     """Ends a run whose worker is about to close; its last checkpoint is written."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Job(ABC):
+    """One of many runs.
+
+    Attributes
+    ----------
+    made_by : tuple of (name, version)
+        What runs it, or has run it.
+    """
+
+    made_by: tuple[tuple[str, str], ...] = field(default_factory=lambda: tuple(versions().items()))
+
+    @property
+    @abstractmethod
+    def label(self) -> str: ...
+
+    @property
+    @abstractmethod
+    def length(self) -> float:
+        """What is reached at its end, as it tells of its progress."""
+
+    @abstractmethod
+    def run(self, keep: bool = False, progress: Progress | None = None) -> None:
+        """Run, and store what is found; with `keep` what it was found from stays, too."""
+
+    def placed(self) -> Self:
+        """The same for a process that may be in another folder."""
+        return self
+
+    def note(self, event: str, error: str = "") -> None:  # noqa: B027
+        """Note that it has begun, is resumed, done or failed; by default there is no history."""
+
+
+J = TypeVar("J", bound=Job)
+
+
 def run_all(
-    todo: Sequence[Member],
+    todo: Sequence[J],
     jobs: int = 1,
     keep: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[J, float], None] | None = None,
     scheduler: str | None = None,
-) -> dict[Member, str]:
-    """Run members on workers, `jobs` at a time, which share the cores.
+) -> dict[J, str]:
+    """Run on workers, `jobs` at a time, which share the cores.
 
     Without dask they run one after the other.
 
     Parameters
     ----------
-    todo : sequence of Member
+    todo : sequence of Job
     jobs : int
         Not of a scheduler, which has the workers that it has.
     keep : bool
         Keep the run directories.
     progress : callable, optional
-        Called as ``progress(member, time)`` with the time that a run has reached, in another
-        thread.
+        Called as ``progress(job, reached)``, in another thread.
     scheduler : str, optional
         Address of a scheduler of dask.
 
     Returns
     -------
-    dict of Member to str
-        What went wrong in the runs that failed; their directories are kept.
+    dict of Job to str
+        What went wrong in those that failed; their directories are kept.
 
     Raises
     ------
@@ -108,12 +142,12 @@ def run_all(
 
 
 def _run(
-    client: Client, todo: Sequence[Member], keep: bool, progress: Progress | None
-) -> dict[Member, str]:
+    client: Client, todo: Sequence[J], keep: bool, progress: Callable[[J, float], None] | None
+) -> dict[J, str]:
     """As many at a time as there are workers: the client holds no more than these."""
     from distributed import KilledWorker, as_completed
 
-    names = {uuid4().hex: member for member in todo}
+    names = {uuid4().hex: job for job in todo}
     if progress:
 
         def hear(event: tuple[float, Any]) -> None:
@@ -129,9 +163,9 @@ def _run(
     while waiting or running:
         while waiting and len(running) < max(sum(_workers(client).values()), 1):
             name = waiting.pop()
-            member = replace(names[name], folder=names[name].folder.absolute())
+            job = names[name].placed()
             future = client.submit(
-                _work, member, keep, name, dict(_workers(client)), key=f"{member.label}-{name}",
+                _work, job, keep, name, dict(_workers(client)), key=f"{job.label}-{name}",
                 pure=False,
             )  # fmt: skip
             running[future.key] = name
@@ -139,7 +173,7 @@ def _run(
             del future
         future = next(completed)
         name = running.pop(future.key)
-        member = names[name]
+        job = names[name]
         try:
             error = future.result()
         except Abandoned:
@@ -147,13 +181,13 @@ def _run(
             continue
         except KilledWorker:
             error = f"{LIVES} processes that ran it were killed"
-            member.note("failed", error)
+            job.note("failed", error)
         finally:
             del future
         if error:
-            failures[member] = error
+            failures[job] = error
         elif progress:
-            progress(member, member.scene.end_time)
+            progress(job, job.length)
     return failures
 
 
@@ -215,7 +249,7 @@ def _ended_by_sigterm() -> Iterator[None]:
 # ---- in the processes of workers
 
 
-def _work(member: Member, keep: bool, name: str, workers: Mapping[str, int]) -> str | None:
+def _work(job: Job, keep: bool, name: str, workers: Mapping[str, int]) -> str | None:
     """Run on a worker with its share of the cores of its machine; None or an error."""
     from distributed import Status, get_worker
     from distributed.comm.addressing import get_address_host
@@ -233,30 +267,28 @@ def _work(member: Member, keep: bool, name: str, workers: Mapping[str, int]) -> 
 
     host = get_address_host(worker.address)
     with _turn, _share(workers.get(host, 1)):
-        return _attempt(member, keep, report)
+        return _attempt(job, keep, report)
 
 
-def _attempt(
-    member: Member, keep: bool, report: Callable[[float], None] | None = None
-) -> str | None:
-    """Run; None, or what went wrong, which the member notes.
+def _attempt(job: Job, keep: bool, report: Progress | None = None) -> str | None:
+    """Run; None, or what went wrong, which the job notes.
 
     What another process runs is waited for.
     """
     try:
-        if dict(member.made_by) != versions():
+        if dict(job.made_by) != versions():
             theirs, ours = (", ".join(f"{name} {number}" for name, number in sorted(one.items()))
-                            for one in (versions(), dict(member.made_by)))  # fmt: skip
+                            for one in (versions(), dict(job.made_by)))  # fmt: skip
             raise SkinError(f"the worker has {theirs}; what has started it has {ours}")
         while True:
             with suppress(DirectoryBusy):
-                member.run(keep, report)
+                job.run(keep, report)
                 return None
     except Abandoned:
         raise
     except Exception as error:  # whatever it is, the others go on
         text = str(error) if isinstance(error, (SkinError, OSError)) else repr(error)
-        member.note("failed", text)
+        job.note("failed", text)
         return text
 
 
@@ -277,17 +309,17 @@ def _share(processes: int) -> Iterator[None]:
 
 
 def run_share(
-    todo: Sequence[Member], keep: bool = False, progress: Progress | None = None
-) -> dict[Member, str]:
-    """Run members one after the other on all cores, without a scheduler.
+    todo: Sequence[J], keep: bool = False, progress: Callable[[J, float], None] | None = None
+) -> dict[J, str]:
+    """Run one after the other on all cores, without a scheduler.
 
     Each runs in a process of its own: if that dies, the others go on. Returns as `run_all`.
     """
     context, failures = get_context("spawn"), {}
     with _ended_by_sigterm():
-        for member in todo:
+        for job in todo:
             receiver, sender = context.Pipe(duplex=False)
-            process = context.Process(target=_tell, args=(member, keep, sender), daemon=True)
+            process = context.Process(target=_tell, args=(job, keep, sender), daemon=True)
             process.start()
             sender.close()
             try:
@@ -295,19 +327,19 @@ def run_share(
             except EOFError:
                 process.join()
                 error = f"its process ended with exit code {process.exitcode}"
-                member.note("failed", error)
+                job.note("failed", error)
             finally:
                 receiver.close()
                 process.terminate()
                 process.join()
             if error:
-                failures[member] = error
+                failures[job] = error
             elif progress:
-                progress(member, member.scene.end_time)
+                progress(job, job.length)
     return failures
 
 
-def _tell(member: Member, keep: bool, sender: Connection) -> None:
+def _tell(job: Job, keep: bool, sender: Connection) -> None:
     """Run in a process of its own, and say what went wrong."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its children
-    sender.send(_attempt(member, keep))
+    sender.send(_attempt(job, keep))

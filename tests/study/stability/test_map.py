@@ -19,6 +19,8 @@ from lammps_skin.study.stability.trials import InitialState, Trials
 from tests.cells.conftest import CONTACT, HEIGHT, place
 from tests.study.ensemble.conftest import skin  # noqa: F401
 
+pytestmark = pytest.mark.usefixtures("in_this_process")
+
 STIFFNESS = 100.0
 EIGENVALUE = 2 * STIFFNESS / CONTACT**2  # of two particles on one spring of binding
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import pytest
 from lammps_skin.study.studies.design import Design
-from lammps_skin.study.studies.runs import Study
+from lammps_skin.study.studies.runs import Study, StudyRun
 
 TINY = """\
 [scene]
@@ -32,8 +32,14 @@ dump_interval = 0.5
 def made(place: Path, begin: str = "", end: str = "", folder: str = "study") -> Study:
     """A study of the tiny scene: what its file begins with, what it ends with, its folder."""
     path = place / "tiny.toml"
-    path.write_text(f'seeds = "1-2"\n{begin}\n{TINY}\n{end}\n')
+    seeds = "" if "seeds" in begin else 'seeds = "1-2"'
+    path.write_text(f"{seeds}\n{begin}\n{TINY}\n{end}\n")
     return Study(Design.load(path), place / folder)
+
+
+def events(runs: Iterable[StudyRun]) -> list[list[str]]:
+    """What has happened to each run."""
+    return [[line["event"] for line in run.history] for run in runs]
 
 
 @pytest.fixture

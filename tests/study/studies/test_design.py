@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lammps_skin.cli.options import scene_from
 from lammps_skin.errors import SceneError
 from lammps_skin.model.scene import Scene
+from lammps_skin.study.ensemble import members
 from lammps_skin.study.studies.design import Design, built_in
 from lammps_skin.study.studies.runs import Study
 
@@ -123,6 +125,11 @@ def test_sensitivity_of_a_linear_function(study: Callable[..., Study]) -> None:
     ("begin", "end", "words"),
     [
         ("sceen = 1", "", "sceen = 1: unknown key; allowed: scene, seeds, .*; did you mean scene"),
+        ("windows = [1, 2]", "", r"windows = \[1, 2\]: must be text, such as \"400-600,"),
+        ('windows = ""', "", "windows = '': must be text"),
+        ("seeds = [1, 2]", "", r"seeds = \[1, 2\]: must be text, such as \"1-8\""),
+        ("", "[set]\nseed = 2", "set.seed = 2: `seeds` says with which seeds points run"),
+        ("", "[grid]\ncells.radius = [1.4, 1.4000000000000001]", "2 points have this name"),
         ('windows = "1-9"', "", "windows = 1-9: 1-9 must be two times .* the end time, 3"),
         ("", "[grid]\ncells.stem = 2", "grid.cells.stem = 2: must be an array of values"),
         ("", "[grid]\ncells.stem = [1, 1]", "the same value is given twice"),
@@ -169,7 +176,7 @@ def test_bad_files_of_studies(
 
 def test_seeds_of_the_scene_itself(study: Callable[..., Study]) -> None:
     found = study(end="[set]\ncells.seed = 3")
-    with pytest.raises(SceneError, match=r"cells.seed = 3: must not be given"):
+    with pytest.raises(SceneError, match=r"study tiny: tiny: cells.seed = 3: must not be given"):
         len(found.runs)
 
 
@@ -181,6 +188,17 @@ def test_the_base_scene_is_that_of_the_runs(study: Callable[..., Study]) -> None
     # points of the same scene have the same runs
     same = study(end="[conditions.a]\n[conditions.b]")
     assert len(same.runs) == 2 and len(same.points) == 2
+
+
+def test_an_ensemble_names_runs_alike(tmp_path: Path) -> None:
+    """Of the same scene, whether its keys are given in a study or as options."""
+    (tmp_path / "one.toml").write_text(
+        'scene = "two-cells"\nseeds = 3\n[grid]\nparameters = ["weak5"]\n[set]\nend_time = 20.0'
+    )
+    (run,) = Study(Design.load(tmp_path / "one.toml"), tmp_path).runs
+    scene = scene_from("two-cells", "weak5", ["end_time=20.0"])
+    (member,) = members([scene], [3], tmp_path)
+    assert run.directory == member.directory and run.table.parent == member.directory
 
 
 def test_built_in_studies(

@@ -1,26 +1,23 @@
-"""A worker and the scheduler are killed in the middle of a study, which goes on afterwards."""
+"""Who runs a study is killed in the middle of it, and it goes on afterwards."""
 
 from __future__ import annotations
 
-import json
 import os
 import signal
-import subprocess
-import sys
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import pytest
 from lammps_skin.study.runner import LIVES, _attempt, run_all
-from lammps_skin.study.studies.runs import Study, StudyRun
+from lammps_skin.study.studies.runs import Branch, Study, StudyRun, Trunk
 from lammps_skin.study.studies.tables import write_tables
 
 from tests.conftest import Answer
+from tests.study.studies.conftest import events
+from tests.study.studies.processes import SKIN, TIMEOUT, cluster, process, running, wait_for
 
-SKIN = [sys.executable, "-c", "from lammps_skin.cli import main; main()"]
 LONG = """
     [set]
     end_time = 20.0
@@ -29,52 +26,15 @@ LONG = """
     [grid]
     membrane.noise = [0.01, 0.02, 0.03]
     """
-TIMEOUT = 300.0  # seconds
-
-
-@contextmanager
-def process(*command: str, **options: Any) -> Iterator[subprocess.Popen[str]]:
-    """A process, which is killed at the end if it still lives."""
-    started = subprocess.Popen(
-        command, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options
-    )
-    try:
-        yield started
-    finally:
-        started.kill()
-        started.communicate()
-
-
-def dask(part: str, file: Path) -> list[str]:
-    """A scheduler or a worker, as users start it."""
-    of_part = {
-        "scheduler": ["--host", "127.0.0.1", "--port", "0"],
-        "worker": ["--nthreads", "1", "--no-nanny", "--memory-limit", "0"],
-    }
-    module = f"distributed.cli.dask_{part}"
-    return [sys.executable, "-m", module, "--no-dashboard", "--scheduler-file", str(file),
-            *of_part[part]]  # fmt: skip
-
-
-def wait_for(what: Callable[[], Any], client: subprocess.Popen[str]) -> Any:
-    """Wait until something is so; not longer than the client lives."""
-    deadline = time.monotonic() + TIMEOUT
-    while not (found := what()):
-        assert time.monotonic() < deadline
-        if client.poll() is not None:
-            pytest.fail(f"the client has ended: {client.communicate()}")
-        time.sleep(0.02)
-    return found
-
-
-def running(study: Study) -> set[int]:
-    """Processes in the middle of a run."""
-    last = [run.history[-1] for run in study.runs if not run.done and run.history]
-    return {int(line["process"]) for line in last if line["event"] in ("begun", "resumed")}
-
-
-def events(study: Study) -> list[list[str]]:
-    return [[line["event"] for line in run.history] for run in study.runs]
+FORKED = """
+    [set]
+    end_time = {end}
+    cells.generations = 1
+    output.checkpoint_interval = 0.5
+    [conditions.none]
+    [conditions.stiff]
+    membrane.bending_stiffness = 2.0
+    """
 
 
 def test_killed_in_the_middle(
@@ -82,28 +42,23 @@ def test_killed_in_the_middle(
 ) -> None:
     """Every finished run is kept, none is run twice, and the table is that of a study in peace."""
     ours = study(end=LONG)
-    file = tmp_path / "scheduler.json"
 
     def done() -> list[Path]:
         return [run.table for run in ours.runs if run.done]
 
-    with (
-        process(*dask("scheduler", file)) as scheduler,
-        process(*dask("worker", file), cwd=tmp_path) as one,
-        process(*dask("worker", file), cwd=tmp_path) as other,
-    ):
-        address = wait_for(lambda: file.exists() and file.read_text(), scheduler)
-        command = [*SKIN, "study", "tiny.toml", "-o", "study",
-                   "--scheduler", json.loads(address)["address"]]  # fmt: skip
+    with cluster(tmp_path, 2) as dask:
+        command = [*SKIN, "study", "tiny.toml", "-o", "study", "--scheduler", dask.address]
         with process(*command, cwd=tmp_path) as client:
-            wait_for(lambda: done() and one.pid in running(ours), client)
-            os.kill(one.pid, signal.SIGKILL)
-            wait_for(lambda: len(done()) >= 3 and other.pid in running(ours), client)
-            os.kill(scheduler.pid, signal.SIGKILL)
+            first = wait_for(lambda: done() and running(ours.runs), client)[0]
+            dask.workers.pop(first).send_signal(signal.SIGKILL)
+            ((last, worker),) = dask.workers.items()
+            wait_for(lambda: len(done()) >= 3 and last in running(ours.runs), client)
+            dask.scheduler.send_signal(signal.SIGKILL)
             _, err = client.communicate(timeout=TIMEOUT)
         assert client.returncode == 2
-        assert err.startswith(f"error: scheduler {command[-1]}: has ended") and err.count("\n") == 1
-        other.wait(TIMEOUT)  # it abandons its run, and ends
+        assert err.startswith(f"error: scheduler {dask.address}: has ended")
+        assert err.count("\n") == 1
+        worker.wait(TIMEOUT)  # it abandons its run, and ends
 
     kept = {table: table.stat().st_mtime_ns for table in done()}
     assert 3 <= len(kept) < 6
@@ -111,16 +66,69 @@ def test_killed_in_the_middle(
     assert answer.code == 0, answer
     assert f"6 runs, {len(kept)} of them done" in answer.out
     assert kept == {table: table.stat().st_mtime_ns for table in kept}
-    for happened in events(ours):
+    for happened in events(ours.runs):
         assert happened[0] == "begun" and happened.index("done") == len(happened) - 1
-    attempts = [event for happened in events(ours) for event in happened if event != "done"]
+    attempts = [event for happened in events(ours.runs) for event in happened if event != "done"]
     assert len(attempts) == 6 + 2 and "resumed" in attempts  # those of the two kills go on
 
-    theirs = study(end=LONG, folder="peace")
+    compare(ours, study(end=LONG, folder="peace"))
+
+
+def compare(ours: Study, theirs: Study) -> None:
+    """The tables are those of a study that is run in peace, in another order."""
     for run in reversed(theirs.runs):
         assert _attempt(run, False) is None
-    for mine, other_table in zip(write_tables(ours), write_tables(theirs), strict=True):
-        assert mine.read_bytes() == other_table.read_bytes()
+    for mine, other in zip(write_tables(ours), write_tables(theirs), strict=True):
+        assert mine.read_bytes() == other.read_bytes()
+
+
+def trunks(study: Study) -> list[Trunk]:
+    return list({run.trunk: None for run in study.runs if isinstance(run, Branch)})
+
+
+def run_until_killed(run: StudyRun, time: float) -> None:
+    """In a process of its own, which is killed at a time of the run."""
+
+    def look(reached: float) -> None:
+        if reached >= time:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    run.run(progress=look)
+
+
+def test_a_fork_is_killed_before_and_after_its_time(study: Callable[..., Study]) -> None:
+    """Both parts go on, and neither is run twice."""
+    begin, end = 'seeds = "1"\nfork = 1.5', FORKED.format(end=3.0)
+    ours = study(begin, end)
+    first, second = ours.runs
+    for time in (1.0, 2.5):
+        killed = get_context("spawn").Process(target=run_until_killed, args=(first, time))
+        killed.start()
+        killed.join(TIMEOUT)
+        assert killed.exitcode == -signal.SIGKILL
+    for run in ours.todo():
+        assert _attempt(run, False) is None
+    assert events([*trunks(ours), first]) == [["begun", "resumed", "done"]] * 2
+    assert events([second]) == [["begun", "done"]]
+    compare(ours, study(begin, end, folder="peace"))
+
+
+@pytest.mark.slow
+def test_workers_of_a_fork_are_killed(study: Callable[..., Study], tmp_path: Path) -> None:
+    """One in the common part of a seed, one later."""
+    end = FORKED.format(end=20.0)
+    ours = study("fork = 10.0", end)
+    with cluster(tmp_path, 3) as dask:
+        command = [*SKIN, "study", "tiny.toml", "-o", "study", "--scheduler", dask.address]
+        with process(*command, cwd=tmp_path) as client:
+            for runs in (trunks(ours), ours.runs):
+                busy = wait_for(lambda runs=runs: running(runs), client)[0]
+                dask.workers.pop(busy).send_signal(signal.SIGKILL)
+            out, err = client.communicate(timeout=TIMEOUT)
+        assert client.returncode == 0, (out, err)
+    for happened in events([*trunks(ours), *ours.runs]):
+        assert [event for event in happened if event != "resumed"] == ["begun", "done"]
+    compare(ours, study("fork = 10.0", end, folder="peace"))
 
 
 class Deadly(StudyRun):

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Callable, Sequence
+import os
+import resource
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from random import Random
 
@@ -16,11 +19,12 @@ from lammps_skin.analysis.statistics import mean
 from lammps_skin.model.scene import Scene
 from lammps_skin.study.runner import _attempt
 from lammps_skin.study.studies.design import Design, built_in
-from lammps_skin.study.studies.runs import KEPT, Study, StudyRun
+from lammps_skin.study.studies.runs import KEPT, Study
 from lammps_skin.study.studies.tables import read_courses, write_tables
 
 from tests.conftest import Answer
 from tests.run.crates import activities, crate
+from tests.study.studies.conftest import events
 
 GRID = "[grid]\ncells.generations = [3, 10]"
 WINDOWS = 'windows = "0.5-1.5,2-3"'
@@ -31,11 +35,6 @@ UNSTABLE = """
     numerics.largest_move = 0.0
     membrane.noise = 0.3
     """
-
-
-def events(study: Study) -> list[list[str]]:
-    """What has happened to each run."""
-    return [[line["event"] for line in run.history] for run in study.runs]
 
 
 @pytest.fixture
@@ -53,7 +52,7 @@ def test_runs_and_tables(done: Study, study: Callable[..., Study]) -> None:
         names = {path.name for path in run.directory.iterdir()}
         assert names == KEPT
         assert Scene.load(run.directory / "scene.toml").cell_seed == run.seed
-    assert events(done) == [["begun", "done"]] * 4
+    assert events(done.runs) == [["begun", "done"]] * 4
 
     table = pd.read_parquet(done.folder / "table.parquet")
     assert table["cells.generations"].tolist() == [3, 3, 3, 3, 10, 10, 10, 10]
@@ -109,41 +108,48 @@ def test_what_is_done_is_not_run_again(
         (["show", "--columns", "zetta"], "--columns zetta: there is no column zetta; did you mean"),
         (["plot", "--against", "tme"], "--against tme: must be one of time, cells.generations"),
         (["run", "--share", "3/2"], "--share 3/2: must be K/N"),
+        (["run", "--share", ""], "--share : must be K/N"),
+        (["run", "--share", "1/2", "--jobs", "2"], "--share 1/2: runs one after the other; --jobs"),
+        (["run", "--share", "1/2", "--scheduler", "a:1"], "--share 1/2: runs one after the other"),
     ):
         answer = skin("study", words[0], "tiny.toml", "-o", "study", *words[1:])
         assert answer.code == 2 and answer.err.startswith(f"error: {told}"), answer.err
     assert before == [(run.table.read_bytes(), run.table.stat().st_mtime_ns) for run in done.runs]
-    assert events(done) == [["begun", "done"]] * 4
+    assert events(done.runs) == [["begun", "done"]] * 4
 
 
-def test_a_failing_run_is_a_row(
-    skin: Callable[..., Answer], study: Callable[..., Study], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whether it is unstable or the disk is full; the others are done."""
+def test_a_failing_run_is_a_row(skin: Callable[..., Answer], study: Callable[..., Study]) -> None:
+    """Whether it is unstable or the disk is full; the others are done, in the same process."""
     found = study('windows = "2-3"', UNSTABLE)
-    store = type(found.runs[0]).store
-
-    def full(run: object, directory: Path) -> None:
-        if run == found.runs[1]:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        store(run, directory)
-
-    monkeypatch.setattr(type(found.runs[0]), "store", full)
-    for run in found.runs:
+    first, second, *unstable = found.runs
+    assert _attempt(first, False) is None
+    with no_larger_files(60):
+        _attempt(second, False)
+    for run in unstable:
         _attempt(run, False)
     write_tables(found)
     table = pd.read_parquet(found.folder / "table.parquet")
     assert table["status"].tolist() == ["done", "failed", "failed", "failed"]
-    assert "No space left on device" in table["error"][1]
+    assert os.strerror(errno.EFBIG) in table["error"][1]
     assert table["error"][2].count("after t = ") == 1
-    assert str(found.folder) not in table["error"][2]
+    assert str(found.folder) not in "".join(table["error"][1:])
     assert table["height_std"].isna().tolist() == [False, True, True, True]
     answer = skin("study", "status", "tiny.toml", "-o", "study")
     assert "1 of 4 runs done" in answer.out and answer.out.count("failed: tiny-") == 3
-    monkeypatch.undo()
-    assert _attempt(found.runs[1], False) is None  # once there is space, it goes on
-    assert events(found)[1] == ["begun", "failed", "resumed", "done"]
-    assert found.runs[1].state == "done" and not found.runs[1].error
+    assert _attempt(second, False) is None  # once there is space
+    assert events([second]) == [["begun", "failed", "begun", "done"]]  # it had left nothing yet
+    assert second.state == "done" and not second.error
+
+
+@contextmanager
+def no_larger_files(kilobytes: int) -> Iterator[None]:
+    """No file can become larger, as if the disk were full."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (kilobytes * 1024, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def test_kinds_of_some_points_alone(study: Callable[..., Study]) -> None:
@@ -159,13 +165,12 @@ def test_kinds_of_some_points_alone(study: Callable[..., Study]) -> None:
     assert table["cells.kinds.mutant.like"].tolist()[4:] == ["stem"] * 4
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_the_study_of_adhesion(
     skin: Callable[..., Answer], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Quick, from its file to the answer."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("lammps_skin.study.runner.find_spec", lambda name: None)  # no dask
-    monkeypatch.setattr("lammps_skin.study.runner.run_share", in_this_process)
     answer = skin("study", "adhesion", "--quick")
     assert answer.code == 0 and "8 points with 2 seeds: 16 runs, 0 of them done" in answer.out
     answer = skin("study", "show", "adhesion", "--quick", "--columns", "zeta,zeta_nd")
@@ -193,9 +198,3 @@ def test_built_in_studies_run(
     assert set(table["status"]) == {"done"} and table["coverage"].between(0, 1).all()
     for point in Design.load(Path(name), quick=True).points[:20]:
         assert (table["point"] == point.label).any()
-
-
-def in_this_process(todo: Sequence[StudyRun], keep: bool, *_: object) -> dict[StudyRun, str]:
-    """Runs without processes of their own, which take longer to start than these take to run."""
-    errors = {run: _attempt(run, keep) for run in todo}
-    return {run: error for run, error in errors.items() if error}

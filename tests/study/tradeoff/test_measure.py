@@ -8,7 +8,7 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.study.tradeoff.errors import distance, orders
 from lammps_skin.study.tradeoff.grid import VARIATIONS, variants
-from lammps_skin.study.tradeoff.measure import Measurements
+from lammps_skin.study.tradeoff.measure import Measurements, _quiet
 from lammps_skin.study.tradeoff.store import EndState
 
 
@@ -122,6 +122,14 @@ def test_grid():
     assert by_name["reference"].timestep == 0.01
     assert by_name["balanced"].timestep == by_name["fast"].timestep == 0.2  # for the dump
     assert any(reason.startswith("variant rkl1-1: output.dump_interval") for reason in left_out)
+
+
+def test_steps_do_not_become_longer_without_output():
+    """A level makes its steps fit between frames, of which measured runs have none."""
+    scene = Scene.load("two-cells").replace(**{"end_time": 4.0, "output.dump_interval": 1.0})
+    for one in variants(scene, 2.0, "levels")[0]:
+        measured = _quiet(one.scene)
+        assert measured.numerics == one.scene.numerics and not measured.output.dump_interval
 
 
 def test_another_command_in_the_folder(measurements, busy):

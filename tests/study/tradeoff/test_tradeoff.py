@@ -17,6 +17,7 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_quick(skin, tmp_path):
     answer = skin("tradeoff", *SCENE, "--quick", "--variant", "half:timestep=0.005")
     assert answer.code == 0, answer.err
@@ -66,6 +67,7 @@ def test_ensembles(skin, tmp_path):
     assert np.isnan(float(table["reference"]["bias"])) and float(table["balanced"]["bias"]) > 0
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_interrupted(skin, monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
+from itertools import product, starmap
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -22,6 +23,7 @@ from lammps_skin.start.arrangements import place_cells
 from lammps_skin.start.build import build
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.study.result_keys import file_hash, physics, result_key
+from lammps_skin.study.runner import Job, Progress
 from lammps_skin.study.stability.bisection import Limit, Trial, bisect
 from lammps_skin.study.stability.hessian import largest_eigenvalue, mobilities
 from lammps_skin.study.stability.methods import CROWDING, Method, scaled
@@ -143,13 +145,23 @@ class Trials:
         """Where it is kept what `limit` finds."""
         return self.store.path("limit", method.name, self._key(list(method), tolerance), ".json")
 
-    def limit(self, method: Method, tolerance: float) -> Limit:
-        """The largest stable timestep, by bisection that begins at the estimate at the end."""
+    def done(self, methods: Iterable[Method], tolerance: float) -> bool:
+        """Whether all that these methods need is there."""
+        paths = (self.limit_path(method, tolerance) for method in methods)
+        return self._baseline_path.exists() and all(path.exists() for path in paths)
+
+    def limit(
+        self, method: Method, tolerance: float, progress: Callable[[], None] | None = None
+    ) -> Limit:
+        """The largest stable timestep, by bisection that begins at the estimate at the end.
+
+        `progress` is called now and then.
+        """
         path = self.limit_path(method, tolerance)
         if not path.exists():
             guess = method.estimate(self.eigenvalues(method.stiffness_limit)[-1])
             found = bisect(
-                lambda timestep: self.problem(method, timestep),
+                lambda timestep: self.problem(method, timestep, progress),
                 guess, method.stages * self.interval / MOST_EVALUATIONS,
                 self.interval / FEWEST_STEPS, tolerance,
             )  # fmt: skip
@@ -159,6 +171,15 @@ class Trials:
     def eigenvalues(self, stiffness_limit: float) -> list[float]:
         """Largest eigenvalues at the begin and at the end, with one of the `limits`."""
         return self._baseline.eigenvalues[self.limits.index(stiffness_limit)]
+
+    @property
+    def key(self) -> str:
+        """Hash of all that the results depend on, but the method."""
+        return self._key(self.limits)
+
+    @property
+    def _baseline_path(self) -> Path:
+        return self.store.path("baseline", "fine", self.key, ".json")
 
     def _key(self, *more: object) -> str:
         numerics = self.scene.numerics.model_dump(
@@ -171,7 +192,9 @@ class Trials:
 
     # ---- runs
 
-    def problem(self, method: Method, timestep: float) -> str:
+    def problem(
+        self, method: Method, timestep: float, progress: Callable[[], None] | None = None
+    ) -> str:
         """What is wrong with a run; nothing if it is stable.
 
         A run is stable if it ends, and if its total energy is never further above that of the
@@ -181,19 +204,23 @@ class Trials:
         """
         try:
             with self._simulation({**method.variables, "timestep": repr(timestep)}) as simulation:
-                self._follow(simulation, timestep)
+                self._follow(simulation, timestep, progress)
         except EnergyTooHigh as error:
             return str(error)
         except SimulationError as error:
             return str(error)
         return ""
 
-    def _follow(self, simulation: Simulation, timestep: float) -> None:
+    def _follow(
+        self, simulation: Simulation, timestep: float, progress: Callable[[], None] | None
+    ) -> None:
         """Run, and raise `EnergyTooHigh` when the energy is too high."""
         baseline = self._baseline
         begin = simulation.time
 
         def look(now: float, _: Simulation) -> None:
+            if progress:
+                progress()
             energy = sum(simulation.energies().values())
             excess = baseline.excess(now - begin, energy)
             if not excess <= (SETTLED if now - begin > 0.75 * self.interval else TRANSIENT):
@@ -208,7 +235,7 @@ class Trials:
 
     @cached_property
     def _baseline(self) -> Baseline:
-        path = self.store.path("baseline", "fine", self._key(self.limits), ".json")
+        path = self._baseline_path
         if not path.exists():
             _save(path, self._measure_baseline())
         return Baseline(*_load(path))
@@ -284,7 +311,42 @@ class Trials:
             self._working = None
 
 
-Point = tuple[str, float]  # what is scaled, and by how much
+class Point(NamedTuple):
+    """What of a scene is scaled, and by how much."""
+
+    name: str
+    factor: float
+
+    def __str__(self) -> str:
+        return f"{self.name} x {self.factor:g}"
+
+
+@dataclass(frozen=True)
+class Limits(Job):
+    """The limits of some methods at one point of a map, as one of many runs."""
+
+    point: Point
+    trials: Trials
+    methods: tuple[Method, ...]
+    tolerance: float
+
+    @property
+    def label(self) -> str:
+        return str(self.point)
+
+    @property
+    def length(self) -> float:
+        return float(len(self.methods))
+
+    def run(self, keep: bool = False, progress: Progress | None = None) -> None:
+        with closing(self.trials) as trials:
+            for n, method in enumerate(self.methods):
+
+                def tell(done: int = n) -> None:
+                    if progress:
+                        progress(float(done))
+
+                trials.limit(method, self.tolerance, tell)
 
 
 def points(
@@ -304,18 +366,19 @@ def points(
     found: dict[Point, Trials] = {}
     left_out = []
     state = InitialState(scene, start)
-    for name, factor in product(names, factors):
+    for point in starmap(Point, product(names, factors)):
+        name, factor = point
         if name == CROWDING and start is not None and factor != 1:
-            left_out.append(f"{name} x {factor:g}: the state is given")
+            left_out.append(f"{point}: the state is given")
             continue
         try:
             changed = scaled(scene, name, factor)
             place_cells(changed)
         except SceneError as error:
-            left_out.append(f"{name} x {factor:g}: {error}")
+            left_out.append(f"{point}: {error}")
             continue
         own = InitialState(changed) if name == CROWDING and factor != 1 else state
-        found[name, factor] = Trials(changed, own, folder, interval, stiffness_limit)
+        found[point] = Trials(changed, own, folder, interval, stiffness_limit)
     return found, left_out
 
 

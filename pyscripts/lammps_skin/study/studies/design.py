@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
@@ -20,6 +21,7 @@ from lammps_skin.study.studies.forks import check_varied, fork_time, windows_aft
 from lammps_skin.study.studies.samples import Sample
 
 KEYS = ("scene", "seeds", "windows", "fork", "set", "conditions", "grid", "sample")
+TEXTS = {"seeds": "1-8", "windows": "400-600,800-1000"}  # keys whose values are text: examples
 MOST_POINTS = 100_000
 BUILT_IN_STUDIES = Path(__file__).parent / "built_in"
 FILES = {".".join(path) for path in PATHS}  # keys of a scene whose values are paths
@@ -133,6 +135,11 @@ def _design(name: str, text: str, given: Mapping[str, Any], folder: Path) -> Des
             raise SceneError(
                 f"{key} = {shown(value)}: unknown key; allowed: {', '.join(KEYS)}{near(key, KEYS)}"
             )
+    for key, example in TEXTS.items():
+        value = given.get(key, example)
+        one_seed = key == "seeds" and type(value) is int
+        if not one_seed and not (isinstance(value, str) and value.strip()):
+            raise SceneError(f'{key} = {shown(value)}: must be text, such as "{example}"')
     scene = _scene(given, folder)
     conditions = {
         label: flat(_table(keys, f"conditions.{label}"), folder)
@@ -155,6 +162,9 @@ def _design(name: str, text: str, given: Mapping[str, Any], folder: Path) -> Des
     if "fork" in given:
         check_varied(varied)
     points = tuple(_points(name, scene, conditions, grid, sample, folder, varied))
+    label, number = Counter(point.label for point in points).most_common(1)[0]
+    if number > 1:
+        raise SceneError(f"{label}: {number} points have this name")
     end, text_of_windows = min(point.scene.end_time for point in points), given.get("windows")
     if "fork" in given:
         after = {point.label: point.scene for point in points}
@@ -180,7 +190,12 @@ def _scene(given: Mapping[str, Any], folder: Path) -> Scene:
             f"scene = {shown(source)}: must be the name of a built-in scene, a .toml file, or a "
             "table of the keys of a scene"
         )
-    return scene.replace(**flat(_table(given.get("set", {}), "set"), folder))
+    changes = flat(_table(given.get("set", {}), "set"), folder)
+    if "seed" in changes:
+        raise SceneError(
+            f"set.seed = {shown(changes['seed'])}: `seeds` says with which seeds points run"
+        )
+    return scene.replace(**changes)
 
 
 def _source(source: str, folder: Path) -> str | Path:
@@ -242,7 +257,7 @@ def _table(value: Any, key: str) -> Mapping[str, Any]:
 
 def _word(value: Any) -> str:
     """A value in a label."""
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:.15g}" if isinstance(value, float) else str(value)
 
 
 def _value(scene: Scene, key: str) -> Any:

@@ -15,14 +15,15 @@ from pathlib import Path
 from typing import ClassVar, NamedTuple
 
 from lammps_skin.engine.built import SCENE_FILE
-from lammps_skin.errors import SkinError
+from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.files import atomic_write
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.directory_lock import is_held
 from lammps_skin.run.provenance import Provenance, refresh
 from lammps_skin.run.results import EVENTS, PROVENANCE
-from lammps_skin.study.ensemble import Member, Progress, members
+from lammps_skin.study.ensemble import Member, members
 from lammps_skin.study.result_keys import result_key
+from lammps_skin.study.runner import Progress
 from lammps_skin.study.studies.design import Design, Point
 from lammps_skin.study.studies.forks import before
 from lammps_skin.trajectory.store import STORE
@@ -163,7 +164,11 @@ class Study:
 
     def _runs_of(self, point: Point) -> Iterator[StudyRun]:
         folder, fork = self.folder.absolute(), self.design.fork
-        for one in members([point.scene], self.design.seeds, folder):
+        try:
+            found = members([point.scene], self.design.seeds, folder)
+        except SceneError as error:
+            raise SceneError(f"study {self.design.name}: {point.label}: {error}") from None
+        for one in found:
             if fork is None:
                 yield StudyRun(one.scene, folder)
             else:

@@ -7,9 +7,11 @@ import shutil
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +23,7 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start.configuration import Configuration
 from lammps_skin.study.result_keys import file_hash, physics, result_key
+from lammps_skin.study.runner import Job, Progress
 from lammps_skin.study.tradeoff.grid import REFERENCE, Variant, variant
 from lammps_skin.study.tradeoff.store import VERSION, EndState, ResultFolder, Timing
 
@@ -30,8 +33,6 @@ NEVER = 2_000_000_000  # steps between event steps, more than there are in a run
 PIECES = 40  # of a run: how often the bar moves
 ROUNDS = 3  # in which the variants of a group take turns
 TOGETHER = 5  # variants of a group, besides the reference
-
-Progress = Callable[[str, float], None]
 
 
 class Measurements:
@@ -59,8 +60,13 @@ class Measurements:
     ) -> None:
         self.scene = scene
         self.interval = interval
+        self._start = start
         self._given = None if start is None else restart_of(start, scene)
         self.store = ResultFolder(folder)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """To another process without what is worked out, and may be large."""
+        return Measurements, (self.scene, self.store.folder, self._start, self.interval)
 
     @cached_property
     def state(self) -> Path:
@@ -140,7 +146,7 @@ class Measurements:
 
             def report(now: float, _: Simulation) -> None:
                 if progress:
-                    progress(one.name, now - begin)
+                    progress(now - begin)
 
             try:
                 simulation.run(begin + self.interval, report, every=self.interval / PIECES)
@@ -170,8 +176,13 @@ class Measurements:
             groups = [[]]
         return [[reference, *group] for group in groups]
 
-    def time_group(self, group: Sequence[Variant], progress: Progress | None = None) -> None:
-        """Let variants take turns, each from the state through all rounds, with all events."""
+    def time_group(
+        self, group: Sequence[Variant], turn: Callable[[Variant], None] | None = None
+    ) -> None:
+        """Let variants take turns, each from the state through all rounds, with all events.
+
+        `turn` is called after each.
+        """
         with ExitStack() as stack:
             runs = [stack.enter_context(self._simulation(one, events=True)) for one in group]
             begin = runs[0].time
@@ -186,8 +197,8 @@ class Measurements:
                         except SimulationError as error:
                             problems[m] = str(error)
                         seconds[n, m] = (time.process_time() - since) / self.interval
-                    if progress:
-                        progress(one.name, (n + 1) * self.interval)
+                    if turn:
+                        turn(one)
         ratios = seconds / seconds[:, :1]
         for one, own, ratio, problem in zip(group, seconds.T, ratios.T, problems, strict=True):
             spread = float(np.ptp(ratio)) / 2
@@ -197,10 +208,30 @@ class Measurements:
             self.store.save_timing(self.timing_path(one), timing)
 
 
+@dataclass(frozen=True)
+class Trajectory(Job):
+    """The run of a variant to the end of the interval, as one of many."""
+
+    one: Variant
+    measurements: Measurements
+
+    @property
+    def label(self) -> str:
+        return f"trajectory of {self.one.name}"
+
+    @property
+    def length(self) -> float:
+        return self.measurements.interval
+
+    def run(self, keep: bool = False, progress: Progress | None = None) -> None:
+        self.measurements.end_state(self.one, progress)
+
+
 def _quiet(scene: Scene) -> Scene:
-    """Without output on the way."""
+    """Without output on the way, with the steps that it has beside that."""
     quiet = {"thermo_interval": scene.end_time, "dump_interval": 0.0, "checkpoint_interval": 0.0}
-    return scene.replace(output=quiet)
+    numerics = scene.numerics.model_dump(exclude_none=True)
+    return scene.replace(output=quiet, **{f"numerics.{key}": one for key, one in numerics.items()})
 
 
 def restart_of(start: Path, scene: Scene) -> Path:
