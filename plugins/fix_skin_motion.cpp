@@ -55,13 +55,15 @@ FixSkinMotion::FixSkinMotion(LAMMPS *lmp, int narg, char **arg) :
   extvector = 0;
   global_freq = 1;
   comm_reverse = 1;
+  force_reneighbor = 1;
+  next_reneighbor = -1;
 }
 
 /* ---------------------------------------------------------------------- */
 
 int FixSkinMotion::setmask()
 {
-  return INITIAL_INTEGRATE | PRE_FORCE | FINAL_INTEGRATE;
+  return INITIAL_INTEGRATE | POST_INTEGRATE | PRE_FORCE | FINAL_INTEGRATE;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -21,6 +21,7 @@ class FixSkinMotion : public Fix {
   void setup_pre_force(int) override;
   void setup(int) override;
   void initial_integrate(int) override;
+  void post_integrate() override;
   void pre_force(int) override;
   void final_integrate() override;
   void post_run() override;
@@ -30,6 +31,11 @@ class FixSkinMotion : public Fix {
   double memory_usage() override;
 
   bool begins_disturbed() const;
+
+  // parts of half of the neighbor skin that particles of each type may go from where neighbor lists
+  // found them, before these are built anew; none if lists need not be made for less than all of it
+
+  std::vector<double> margins;
 
  private:
   SkinStages method;
@@ -52,6 +58,7 @@ class FixSkinMotion : public Fix {
   // positions at the neighbor build that the lists belong to
 
   std::vector<double> listed;
+  std::vector<double> marginsq;    // of each type at that build, squared
   SkinBuild build;
 
   struct Term {
@@ -76,7 +83,7 @@ class FixSkinMotion : public Fix {
   bigint beyond;             // particles that the neighbor lists do not reach, summed over stages
   bigint beyond_before;      // at the begin of this run
   bigint within_steps;       // evaluations in this run but the last ones of steps
-  double furthest_listed;    // from where lists were built, in this run, squared
+  double furthest_listed;    // from where lists were built, in this run, in squared margins
 
   struct Move {
     double length = 0.0;

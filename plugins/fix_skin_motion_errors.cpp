@@ -152,11 +152,10 @@ void FixSkinMotion::post_run()
   if (part < NOTEWORTHY || comm->me != 0) return;
   error->warning(FLERR,
                  "Fix skin/motion: in {} cases ({:.2g} of all) a particle was within a step "
-                 "further than half of the neighbor skin from where it had been listed, at most "
-                 "{:.4g}: it may have missed contacts until the end of that step; use a neighbor "
-                 "skin of {:.4g} instead of {} or a smaller timestep than {}",
-                 all, part, std::sqrt(furthest), 2.0 * std::sqrt(furthest), neighbor->skin,
-                 update->dt);
+                 "further from where it had been listed than the neighbor skin allows: it may have "
+                 "missed contacts until the end of that step; use a neighbor skin of {:.4g} "
+                 "instead of {} or a smaller timestep than {}",
+                 all, part, std::sqrt(furthest) * neighbor->skin, neighbor->skin, update->dt);
 }
 
 /* ---------------------------------------------------------------------- */

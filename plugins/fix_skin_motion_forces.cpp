@@ -5,6 +5,7 @@
 #include "bond_skin_stretch.h"
 #include "dihedral_skin_bend.h"
 #include "fix_skin_cells.h"
+#include "skin_margins.h"
 
 #include "atom.h"
 #include "bond.h"
@@ -20,6 +21,12 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
+
+static double distance_squared(const double *x, const double *y)
+{
+  const double dx = x[0] - y[0], dy = x[1] - y[1], dz = x[2] - y[2];
+  return dx * dx + dy * dy + dz * dz;
+}
 
 /* ----------------------------------------------------------------------
    mobility of my particles: lower where the membrane is stiffer than allowed
@@ -95,7 +102,7 @@ void FixSkinMotion::evaluate_forces(double offset)
 }
 
 /* ----------------------------------------------------------------------
-   neighbor lists hold for particles within half of the skin from where they were at the build
+   neighbor lists hold for particles within a margin from where they were at the build
 ------------------------------------------------------------------------- */
 
 void FixSkinMotion::note_lists()
@@ -104,20 +111,35 @@ void FixSkinMotion::note_lists()
   const size_t n = 3 * (size_t) atom->nlocal;
   const double *const x = n ? atom->x[0] : nullptr;
   listed.assign(x, x + n);
+  marginsq = skin_margins(lmp);
+  for (double &margin : marginsq) margin *= margin;
+}
+
+/* ----------------------------------------------------------------------
+   LAMMPS itself has the lists built anew where a particle has moved by half of the skin
+------------------------------------------------------------------------- */
+
+void FixSkinMotion::post_integrate()
+{
+  if (margins.empty()) return;
+  const double *const x = atom->nlocal ? atom->x[0] : nullptr, *const y = listed.data();
+  int mine = 0, any = 0;
+  for (size_t n = 0; n < listed.size() && !mine; n += 3)
+    mine = distance_squared(x + n, y + n) > marginsq[atom->type[n / 3]];
+  MPI_Allreduce(&mine, &any, 1, MPI_INT, MPI_MAX, world);
+  if (any) next_reneighbor = update->ntimestep;
 }
 
 /* ---------------------------------------------------------------------- */
 
 void FixSkinMotion::count_beyond()
 {
-  const double reachsq = 0.25 * neighbor->skin * neighbor->skin;
   if (listed.empty()) return;
   const double *const x = atom->x[0], *const y = listed.data();
   for (size_t n = 0; n < listed.size(); n += 3) {
-    const double dx = x[n] - y[n], dy = x[n + 1] - y[n + 1], dz = x[n + 2] - y[n + 2];
-    const double distsq = dx * dx + dy * dy + dz * dz;
-    if (!(distsq > reachsq)) continue;
-    furthest_listed = std::max(furthest_listed, distsq);
+    const double distsq = distance_squared(x + n, y + n), most = marginsq[atom->type[n / 3]];
+    if (!(distsq > most)) continue;
+    furthest_listed = std::max(furthest_listed, distsq / most);
     beyond++;
   }
 }

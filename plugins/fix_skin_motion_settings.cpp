@@ -2,6 +2,7 @@
 
 #include "fix_skin_motion.h"
 
+#include "atom.h"
 #include "error.h"
 
 #include <cmath>
@@ -34,9 +35,12 @@ void FixSkinMotion::parse(int narg, char **arg)
 
   for (int n = 4; n < narg;) {
     const std::string key = arg[n];
-    if (key != "stages" && key != "stiffness" && key != "move" && key != "link" && key != "round")
+    if (key != "stages" && key != "stiffness" && key != "move" && key != "link" &&
+        key != "round" && key != "margins")
       error->all(FLERR, "Unknown fix skin/motion keyword: {}", key);
-    const int nvalues = (key == "round" || key == "link") ? 2 : 1;
+    const int nvalues = (key == "margins")             ? atom->ntypes
+        : (key == "round" || key == "link") ? 2
+                                            : 1;
     if (n + nvalues >= narg)
       error->all(FLERR, "Fix skin/motion keyword {} needs {} value(s)", key, nvalues);
     char **values = &arg[n + 1];
@@ -62,6 +66,14 @@ void FixSkinMotion::parse(int narg, char **arg)
       if (round_every < 1)
         error->all(FLERR, "Fix skin/motion round {} {}: the number of steps must be > 0",
                    values[0], values[1]);
+    } else if (key == "margins") {
+      margins.assign(1, 1.0);
+      for (int type = 1; type <= nvalues; type++) {
+        margins.push_back(positive(key, values[type - 1]));
+        if (margins[type] > 1.0)
+          error->all(FLERR, "Fix skin/motion margins = {} for type {}: must be a number > 0 and "
+                     "<= 1", values[type - 1], type);
+      }
     } else {
       (key == "move" ? largest_move : stiffness_limit) = positive(key, values[0]);
     }

@@ -28,7 +28,7 @@ struct Adhesion {
     const T r = root(rsq);
     const T s = smaller<T>(larger<T>(r * per_contact - 1.0, zero), most);
     const T slopes = s * (1.0 - quartic * s * s);
-    return s > zero ? -(stiffness * per_contact) * slopes / r : zero;
+    return (s > zero) & (s < most) ? -(stiffness * per_contact) * slopes / r : zero;
   }
 };
 

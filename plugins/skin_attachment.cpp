@@ -1,6 +1,7 @@
 #include "skin_attachment.h"
 
 #include "skin_dividing_pairs.h"
+#include "skin_margins.h"
 
 #include "comm.h"
 #include "domain.h"
@@ -20,7 +21,9 @@ void SkinAttachment::list_candidates()
   nearest.clear_candidates();
   if (cells.list.empty()) return;
   sort_membrane();
-  for (int i : cells.list) nearest.add_candidates(atom->x[i], neighbor->skin);
+  const std::vector<double> margins = skin_margins(lmp);
+  for (int i : cells.list)
+    nearest.add_candidates(atom->x[i], margins[atom->type[i]] + margins[membrane_type]);
 }
 
 /* ---------------------------------------------------------------------- */

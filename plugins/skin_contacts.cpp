@@ -1,5 +1,7 @@
 #include "skin_contacts.h"
 
+#include "skin_margins.h"
+
 #include "atom.h"
 #include "domain.h"
 #include "group.h"
@@ -90,9 +92,18 @@ void SkinContacts::build()
   clear();
   if (of_kind.empty()) return;
 
-  radii.clear();
-  for (const double distance : distances) radii.push_back(distance + neighbor->skin);
+  const std::vector<double> margins = skin_margins(lmp);
+  radii.assign(distances.size(), 0.0);
+  for (int a = 1; a <= ntypes; a++)
+    for (int b = 1; b <= ntypes; b++) {
+      const int kind = kinds[a * (ntypes + 1) + b];
+      if (kind < 0) continue;
+      radii[kind] = std::max(radii[kind], distances[kind] + margins[a] + margins[b]);
+    }
   const double furthest = *std::max_element(radii.begin(), radii.end());
+  all_nearest = !domain->triclinic;
+  for (int d = 0; d < 3; d++)
+    all_nearest = all_nearest && (!domain->periodicity[d] || furthest < 0.5 * domain->prd[d]);
 
   columns.sort(atom, partners);
   if (one_way) center_columns.sort(atom, centers);
@@ -175,7 +186,13 @@ bool SkinContacts::hidden(int i, int j) const
 {
   const int n = atom->nspecial ? atom->nspecial[i][0] : 0;
   const tagint *const special = n ? atom->special[i] : nullptr;
-  if (n && std::find(special, special + n, atom->tag[j]) != special + n) {
+
+  // all are looked at, since it could not be foreseen which is the one
+
+  bool found = false;
+  for (int k = 0; k < n; k++) found |= special[k] == atom->tag[j];
+  if (found) {
+    if (all_nearest) return true;
     const double *const x = atom->x[i], *const y = atom->x[j];
     if (!domain->minimum_image_check(x[0] - y[0], x[1] - y[1], x[2] - y[2])) return true;
   }

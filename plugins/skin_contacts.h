@@ -31,7 +31,7 @@ class SkinContacts : protected Pointers {
  private:
   int ntypes = 0;
   std::vector<int> kinds;
-  std::vector<double> distances, radii;    // without and with the neighbor skin
+  std::vector<double> distances, radii;    // without and with margins
 
   // pairs are sought from particles of the types in centers, among those of the types in partners;
   // one_way if these have no type in common, so that no pair is found from both of its ends
@@ -39,6 +39,7 @@ class SkinContacts : protected Pointers {
   std::vector<char> centers, partners;
   bool one_way = false;
   bool one_kind = false;    // of all pairs of a center and a partner
+  bool all_nearest = false;    // no pair in reach is one of images that are not the nearest ones
   SkinColumns columns, center_columns;
   SkinSurroundings near;
 

@@ -170,6 +170,9 @@ def test_particles_beyond_the_neighbor_lists(ranks: int) -> None:
         ("rkl1 round 0 4", "round = 0: must be a number > 0"),
         ("rkl1 round 1e-13 4", "round = 1e-13: must be at least 1e-12"),
         ("rkl1 round 1e-5 0", "round 1e-5 0: the number of steps must be > 0"),
+        ("euler margins", r"margins needs 1 value\(s\)"),
+        ("euler margins 0", "margins = 0: must be a number > 0"),
+        ("euler margins 1.5", "margins = 1.5 for type 1: must be a number > 0 and <= 1"),
         ("rkl1 colour 3", "Unknown fix skin/motion keyword: colour"),
     ],
 )

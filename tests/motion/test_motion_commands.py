@@ -210,10 +210,10 @@ def told(directory: Path, commands: str, **changes: Any) -> str:
     return try_script(directory, f"{setup}\n{commands}").stdout
 
 
-@pytest.mark.parametrize(("skin", "warns"), [(0.5, False), (0.02, True)])
+@pytest.mark.parametrize(("skin", "warns"), [(0.9, False), (0.02, True)])
 def test_neighbor_lists_that_are_too_short(skin: float, warns: bool, tmp_path: Path) -> None:
     output = told(tmp_path, f"neighbor {skin} multi\nrun 8", **{"numerics.timestep": 0.25})
-    warning = "further than half of the neighbor skin from where it had been listed"
+    warning = "further from where it had been listed than the neighbor skin allows"
     assert (warning in output) == warns
     assert f"instead of {skin} or a smaller timestep than" in output or not warns
 

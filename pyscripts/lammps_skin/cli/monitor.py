@@ -17,7 +17,7 @@ from lammps_skin.run.simulation import Simulation
 # fractions of the particles that move beyond the neighbor lists: what is told of, and what is too
 # much. With the level "fast", whose ensembles are compared in docs/accuracy.md, it is 0.0017
 NOTEWORTHY, TOO_MUCH = 1e-4, 5e-3
-PIECES = 200  # of a run at least, and none longer than a time unit: how often the bar moves
+PIECES = 200  # of a run at least: how often the bar moves
 
 
 class RunMonitor:
@@ -47,7 +47,9 @@ class RunMonitor:
 
     def go(self) -> None:
         """Run, and show progress."""
-        every = min(1.0, (self._end - self._start) / PIECES)
+        # LAMMPS computes energies at each end of a piece: mostly where it would anyway
+        thermo_interval = self._simulation.scene.output.thermo_interval
+        every = min(thermo_interval, (self._end - self._start) / PIECES)
         with Progress(self._end, self._start) as progress:
 
             def show(time: float, _: Simulation) -> None:

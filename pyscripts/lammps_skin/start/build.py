@@ -27,6 +27,7 @@ SCRIPTS = (
     "skin.in", "state.in", "membrane.in", "dermis.in", "cells.in", "integration.in", "output.in",
 )  # fmt: skip
 INTERVENTIONS = "interventions.in"
+MARGINS = {Kind.DERMAL: 0.4, Kind.MEMBRANE: 0.6}  # slower than cells, which have 1
 CORE = 0.5  # of the contact length: no cell comes so close to the membrane
 
 
@@ -138,6 +139,7 @@ def _variables(terms: Terms, configuration: Configuration) -> Iterator[str]:
     yield index("start_time", float(configuration.time))
     yield "\n# numerics"
     yield index("neighbor_skin", scene.numerics.neighbor_skin)
+    yield string("margins", *_margins(scene))
     yield index("ghost_cutoff", ghost_cutoff(terms, configuration))
     yield string("collections", *_collections(scene))
     yield index("bin_size", scene.spacing + scene.numerics.neighbor_skin)
@@ -206,6 +208,13 @@ def _kind_arguments(terms: Terms) -> Iterator[str]:
     for row in rows:
         values = (f"{key} {value}" for key, value in terms.kind(row, labels).items())
         yield " ".join(["kind", row.label, "type", row.label, f"number {row.kind:d}", *values])
+
+
+def _margins(scene: Scene) -> list[str]:
+    """Keyword of the motion for the rooms of types in lists of the plugin's own pair styles."""
+    if scene.numerics.pair_form != "skin":
+        return []
+    return ["margins", *(f"{MARGINS.get(kind, 1.0):g}" for kind in scene.kinds)]
 
 
 def _collections(scene: Scene) -> list[str]:
