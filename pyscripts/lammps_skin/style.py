@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ContextDecorator, contextmanager
 from contextvars import ContextVar
+from math import ceil
 from typing import TYPE_CHECKING, Any
 
 from matplotlib import style
@@ -26,6 +27,7 @@ SHEETS: dict[str, dict[str, Any]] = {
     },
 }  # fmt: skip
 PRINTED_WIDTH = 183 / 25.4  # two columns of a journal, inches
+NARROW = 3.3  # in which letters still fit, inches
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 _sheet: ContextVar[str] = ContextVar("sheet", default="screen")
@@ -67,6 +69,16 @@ def size(width: float, height: float) -> tuple[float, float]:
     """Width and height of a figure, inches; in print at most as wide as a page."""
     factor = min(1.0, PRINTED_WIDTH / width) if in_print() else 1.0
     return width * factor, height * factor
+
+
+def dots(pixels: int, wanted: int) -> int:
+    """Pixels per inch of a picture of a width in pixels.
+
+    They are those that are wanted, but fewer where letters would not fit, and more where in print
+    the picture would be wider than a page.
+    """
+    fewest = ceil(pixels / PRINTED_WIDTH) if in_print() else 1
+    return max(min(wanted, int(pixels / NARROW)), fewest)
 
 
 def name_panels(panels: Sequence[Axes]) -> None:

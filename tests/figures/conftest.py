@@ -56,10 +56,12 @@ def landscape() -> Landscape:
         triangles = lattice.triangles(scene.membrane.lattice)
         z = positions[kinds != Kind.DERMAL, 2]
         heights = float(z.min() - 1.4), float(z.max() + 2.8)
+        relief = float(membrane[:, 2].min()), float(membrane[:, 2].max())
         ids = np.arange(1, len(kinds) + 1)
         state = {name: np.full(len(kinds), fill) for name, fill in CELL_STATE.items()}
         return Moment(
-            scene, 0.0, kinds, positions, triangles, heights, ids, state, cast(Store, None)
-        )
+            scene, 0.0, kinds, positions, triangles, heights, relief, ids, state,
+            cast(Store, None),
+        )  # fmt: skip
 
     return make

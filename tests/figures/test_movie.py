@@ -64,6 +64,21 @@ def test_before_compression_a_picture_is_the_snapshot(run, tmp_path):
         )
 
 
+def test_colours_of_heights_mean_the_same_all_the_time(run):
+    limits = {
+        figure.axes[0].images[0].get_clim()
+        for moment in all_moments(run)
+        for figure in [figure_of(moment, "height", shown_of(moment, ["none"], None, SMALL))]
+    }
+    assert len(limits) == 1
+
+
+def test_what_a_movie_needs_is_told_before_it_is_drawn(run, tmp_path, monkeypatch):
+    monkeypatch.setattr("lammps_skin.figures.movie.find_spec", lambda name: None)
+    with pytest.raises(FigureError, match=r"a\.mp4: needs the package imageio-ffmpeg"):
+        movie(run, tmp_path / "a.mp4")
+
+
 def test_the_camera_stays(run):
     first, *others = [camera_of(moment, SMALL) for moment in all_moments(run)]
     for camera in others:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from lammps_skin.figures.look import Look
 from lammps_skin.figures.plane import (
+    draw_cells_from_above,
     draw_heights,
     draw_section,
     highest_stem,
@@ -114,7 +115,20 @@ def test_the_map_of_heights(landscape):
     sides = np.array(moment.box)
     assert np.array([column, row]) / height.shape[::-1] * sides == pytest.approx([20, 8], abs=0.3)
     assert height.max() == pytest.approx(13, abs=0.05)
+    assert image.get_clim() == moment.relief
     assert colour_at(axes, figure, 5.0, 25.0) == pytest.approx(Kind.STEM.colour, abs=0.01)
+
+
+def test_edges_of_stem_cells_are_seen_below_others(landscape):
+    moment = landscape(
+        lambda x, _: 10 + 0 * x, (Kind.STEM, 10.0, 10.0, 12.0), (Kind.TA, 11.4, 10.0, 14.0)
+    )
+    figure = Figure(dpi=200)
+    axes = figure.add_subplot()
+    draw_cells_from_above(axes, moment, (Kind.STEM, Kind.TA), Look())
+    radius = moment.scene.cells.radius
+    assert colour_at(axes, figure, 10.7, 10.0) == pytest.approx(Kind.TA.colour, abs=0.01)
+    assert colour_at(axes, figure, 10.0 + radius, 10.0) == pytest.approx([0, 0, 0], abs=0.01)
 
 
 def test_the_highest_stem_cell(landscape):

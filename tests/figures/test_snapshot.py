@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import nullcontext
 
 import matplotlib.image
 import numpy as np
@@ -12,8 +13,9 @@ from lammps_skin.figures.look import COLOUR_BY, Look
 from lammps_skin.figures.moments import last_time, read_moments
 from lammps_skin.figures.raster import Canvas
 from lammps_skin.figures.scenery import camera_of, cell_spheres, membrane_surface, view
-from lammps_skin.figures.snapshot import VIEWS, snapshot
+from lammps_skin.figures.snapshot import VIEWS, figure_of, shown_of, snapshot
 from lammps_skin.kinds import KINDS, Kind, is_cell
+from lammps_skin.style import printed
 from lammps_skin.trajectory.universe import open_trajectory
 
 CELLS = tuple(kind for kind in KINDS if is_cell(kind))
@@ -169,6 +171,21 @@ def test_a_picture_has_the_pixels_that_are_asked_for(run, tmp_path):
     rendered = view(read_moments(run, [10.0])[0], CELLS, look)
     start = round(0.34 * 50)
     assert np.abs(image[start : start + len(rendered)] - rendered).max() < 0.01
+
+
+@pytest.mark.parametrize("name", ["3d", "section"])
+@pytest.mark.parametrize("sheet", [nullcontext, printed])
+def test_letters_fit_and_a_page_is_not_too_wide(run, name, sheet):
+    """Whatever the pixels per inch; the pixels are those that are asked for."""
+    (moment,) = read_moments(run, [10.0])
+    for size, dpi in ((200, 600), (900, 50)):
+        look = Look(size=size, dpi=dpi)
+        with sheet():
+            figure = figure_of(moment, name, shown_of(moment, None, None, look))
+        wide = figure.get_size_inches()[0]
+        assert wide * figure.dpi == pytest.approx(size)
+        assert wide >= 3.3
+        assert sheet is nullcontext or wide <= 183 / 25.4
 
 
 @pytest.mark.parametrize("name", [*VIEWS, "all"])

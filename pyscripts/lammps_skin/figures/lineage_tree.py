@@ -15,6 +15,8 @@ from lammps_skin.figures.look import Look, clone_colours
 from lammps_skin.figures.moments import Moment
 from lammps_skin.kinds import is_cell
 
+LABEL = 0.02  # of the width of the tree: from one label to the next, at least
+
 
 class Tree(NamedTuple):
     """Cells that live at a time and their ancestors, in the order in which they are drawn.
@@ -110,12 +112,24 @@ def draw_lineage(axes: Axes, moment: Moment, look: Look) -> None:
                 list(lines), colors=colours[chosen], linewidths=line_width, capstyle="butt"
             )
         )
-    axes.set_xticks(column[founding], [f"{cell}" for cell in tree.ids[founding]], rotation=90)
+    named = _apart(column[founding], LABEL * len(column))
+    axes.set_xticks(
+        column[founding][named], [f"{cell}" for cell in tree.ids[founding][named]], rotation=90
+    )
     axes.set(
         xlim=(-1, len(column)), ylim=(first.time, max(moment.time, first.time + 1e-9)),
         xlabel="id of the founder", ylabel="t",
     )  # fmt: skip
     axes.set_title(f"ancestors of the {is_cell(moment.kinds).sum()} cells at t = {moment.time:g}")
+
+
+def _apart(places: Floats, least: float) -> list[int]:
+    """Which of some ascending places have room for a label, each a distance from the one before."""
+    found: list[int] = []
+    for n, place in enumerate(places):
+        if not found or place - places[found[-1]] >= least:
+            found.append(n)
+    return found
 
 
 def _colours(moment: Moment, look: Look, tree: Tree, events: Events) -> Floats:

@@ -81,7 +81,7 @@ COLOURINGS = {
     ),
     "height": Colouring(
         "height of the membrane", False, lambda moment: moment.membrane[:, 2],
-        lambda moment: moment.heights, "cividis",
+        lambda moment: moment.relief, "cividis",
     ),
     "curvature": Colouring(
         "mean curvature of the membrane", False, _curvature,
@@ -106,7 +106,7 @@ class Look:
     size : int
         Width, pixels.
     dpi : int
-        Pixels per inch: the larger, the larger are letters.
+        Pixels per inch: the larger, the larger are letters, as long as they fit.
     shift : (x, y)
         How far all particles are moved across the sides of the periodic box.
     colour_by : str

@@ -39,6 +39,8 @@ class Moment:
     heights : (low, high)
         Of the membrane and, whole, the cells of the first and the last frame of the run: what its
         pictures hold, so that they are alike.
+    relief : (low, high)
+        Of the membrane in these two frames: the ends of colours of heights.
     ids : (n,) array of int
     state : mapping of (n,) arrays
         Of cells, by the names in `trajectory.frame.CELL_STATE`.
@@ -52,6 +54,7 @@ class Moment:
     positions: Floats
     triangles: Ints
     heights: tuple[float, float]
+    relief: tuple[float, float]
     ids: Ints
     state: Mapping[str, Ints | Floats]
     frames: Store | Dump
@@ -108,7 +111,7 @@ def read_moments(source: Source, times: Sequence[float | None]) -> list[Moment]:
         source = source.trajectory.filename
     frames = open_frames(source)
     scene = frames.scene
-    heights = _heights(scene, frames[0], frames[len(frames) - 1])
+    ends = frames[0], frames[len(frames) - 1]
     moments = []
     for time in times:
         frame = frames[nearest_frame(frames, time)]
@@ -117,23 +120,23 @@ def read_moments(source: Source, times: Sequence[float | None]) -> list[Moment]:
             raise FigureError(
                 f"time = {time:g}: the nearest frame of {frames.path} is at {frame.time:g}"
             )
-        moments.append(_moment(frames, frame, heights))
+        moments.append(_moment(frames, frame, ends))
     return moments
 
 
 def all_moments(source: Source, every: int = 1) -> Iterator[Moment]:
     """The frames of a run one after the other, or each of so many."""
     frames = open_frames(source)
-    heights = _heights(frames.scene, frames[0], frames[len(frames) - 1])
-    return (_moment(frames, frames[n], heights) for n in range(0, len(frames), every))
+    ends = frames[0], frames[len(frames) - 1]
+    return (_moment(frames, frames[n], ends) for n in range(0, len(frames), every))
 
 
-def _moment(frames: Store | Dump, frame: Frame, heights: tuple[float, float]) -> Moment:
+def _moment(frames: Store | Dump, frame: Frame, ends: tuple[Frame, Frame]) -> Moment:
     members = frame.ids[frame.kinds == Kind.MEMBRANE]
     triangles = np.searchsorted(members, frames.triangles)
     return Moment(
-        frames.scene, frame.time, frame.kinds, frame.positions, triangles, heights, frame.ids,
-        frame.state, frames,
+        frames.scene, frame.time, frame.kinds, frame.positions, triangles,
+        _heights(frames.scene, *ends), _relief(*ends), frame.ids, frame.state, frames,
     )  # fmt: skip
 
 
@@ -144,6 +147,12 @@ def _heights(scene: Scene, *frames: Frame) -> tuple[float, float]:
         z = frame.positions[frame.kinds != Kind.DERMAL, 2]
         low, high = min(low, z.min()), max(high, z.max())
     return float(low - scene.cells.radius), float(high + 2 * scene.cells.radius)
+
+
+def _relief(*frames: Frame) -> tuple[float, float]:
+    """Lowest and highest place of the membrane."""
+    z = np.concatenate([frame.positions[frame.kinds == Kind.MEMBRANE, 2] for frame in frames])
+    return float(z.min()), float(z.max())
 
 
 def last_time(path: Path) -> float:

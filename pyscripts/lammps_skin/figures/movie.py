@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +79,11 @@ def movie(
             yield pixels_of(figure_of(moment, view, shown))
             told(number, moment.time)
 
+    if path.suffix == ".mp4" and find_spec("imageio_ffmpeg") is None:
+        raise FigureError(
+            f"output {path}: needs the package imageio-ffmpeg (pip install imageio-ffmpeg); "
+            "a .webp or .gif does without"
+        )
     write = _write_video if path.suffix == ".mp4" else _write_images
     try:
         with atomic_write(path) as place:
@@ -98,13 +104,8 @@ def _write_images(place: Path, suffix: str, pictures: Iterator[Pixels], rate: fl
 
 def _write_video(place: Path, _: str, pictures: Iterator[Pixels], rate: float) -> None:
     """An mp4 that browsers and slides play."""
-    try:
-        import imageio_ffmpeg
-    except ImportError:
-        raise FigureError(
-            "output .mp4: needs the package imageio-ffmpeg (pip install imageio-ffmpeg); "
-            "a .webp or .gif does without"
-        ) from None
+    import imageio_ffmpeg
+
     first = _even(next(pictures))
     video = imageio_ffmpeg.write_frames(
         str(place), first.shape[1::-1], fps=rate, macro_block_size=2, quality=None,

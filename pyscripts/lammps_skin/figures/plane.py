@@ -23,13 +23,18 @@ ROUND = np.linspace(-np.pi / 2, np.pi / 2, 9)  # angles of the end of a rounded 
 
 
 def draw_heights(axes: Axes, moment: Moment, show: Sequence[Kind]) -> ScalarMappable:
-    """Map of the upper side of the membrane, with cells of some kinds; for a colour bar."""
+    """Map of the upper side of the membrane, with cells of some kinds; for a colour bar.
+
+    Colours mean the same at all times of a run.
+    """
     lx, ly = moment.box
     spacing = moment.scene.spacing / NODES_PER_SPACING
     height = height_field(moment.membrane, moment.triangles, moment.box, spacing)
+    low, high = moment.relief
     image = axes.imshow(
-        height.T, origin="lower", extent=(0, lx, 0, ly), cmap="cividis", interpolation="bilinear"
-    )
+        height.T, origin="lower", extent=(0, lx, 0, ly), cmap="cividis", interpolation="bilinear",
+        vmin=low, vmax=high,
+    )  # fmt: skip
     for kind in show:
         places, _ = images(wrapped(moment.of(kind), moment.box), moment.box, 1.0)
         x, y = places.T[:2]
@@ -39,7 +44,7 @@ def draw_heights(axes: Axes, moment: Moment, show: Sequence[Kind]) -> ScalarMapp
 
 
 def draw_cells_from_above(axes: Axes, moment: Moment, show: Sequence[Kind], look: Look) -> None:
-    """Map of cells of some kinds, those that are higher in front; stem cells with a thick edge."""
+    """Map of cells of some kinds, those that are higher in front; stem cells have a thick edge."""
     cells = is_cell(moment.kinds)
     chosen = np.isin(moment.kinds[cells], show)
     kinds, colours = moment.kinds[cells][chosen], look.of_cells(moment)[chosen]
@@ -47,13 +52,12 @@ def draw_cells_from_above(axes: Axes, moment: Moment, show: Sequence[Kind], look
     places, index = images(wrapped(moment.positions[cells][chosen], moment.box), moment.box, radius)
     order = np.argsort(places[:, 2])
     stem = kinds[index[order]] == Kind.STEM
+    discs = [Circle((x, y), radius) for x, y, _ in places[order]]
     axes.add_collection(
-        PatchCollection(
-            [Circle((x, y), radius) for x, y, _ in places[order]],
-            facecolor=colours[index[order]], edgecolor="black",
-            linewidth=np.where(stem, 2.0, 0.3).tolist(),
-        )
-    )  # fmt: skip
+        PatchCollection(discs, facecolor=colours[index[order]], edgecolor="black", linewidth=0.3)
+    )
+    edges = [disc for disc, thick in zip(discs, stem, strict=True) if thick]
+    axes.add_collection(PatchCollection(edges, facecolor="none", edgecolor="black", linewidth=2.0))
     lx, ly = moment.box
     axes.set(xlim=(0, lx), ylim=(0, ly), aspect="equal", xlabel="x", ylabel="y")
 

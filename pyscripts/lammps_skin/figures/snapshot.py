@@ -27,7 +27,7 @@ from lammps_skin.files import atomic_write
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import near
-from lammps_skin.style import name_panels, plain, size
+from lammps_skin.style import dots, name_panels, plain
 
 NAMES = {Kind.EXHAUSTED: "TA, exhausted"}  # in a legend, of kinds with another name than theirs
 NONE = "none"  # word for no cells
@@ -172,7 +172,7 @@ def snapshot(
     check_output(path)
     (moment,) = read_moments(source, [time])
     look = look or Look()
-    return save(figure_of(moment, view, shown_of(moment, show, y, look)), path, look.dpi)
+    return save(figure_of(moment, view, shown_of(moment, show, y, look)), path)
 
 
 def check_view(view: str) -> None:
@@ -200,8 +200,10 @@ def figure_of(moment: Moment, view: str, shown: Shown) -> Figure:
     names = TOGETHER if view == "all" else (view,)
     across = 2 if view == "all" else 1
     tall = 0.8 if view == "all" else VIEWS[view].tall
-    inches = across * look.size / look.dpi
-    figure = Figure(figsize=size(inches, inches * tall), layout="constrained", dpi=look.dpi)
+    pixels = across * look.size
+    dpi = dots(pixels, look.dpi)
+    inches = pixels / dpi
+    figure = Figure(figsize=(inches, inches * tall), layout="constrained", dpi=dpi)
     panels = [figure.add_subplot(across, across, n + 1) for n in range(len(names))]
     for name, axes in zip(names, panels, strict=True):
         VIEWS[name].draw(axes, moment, shown)
@@ -223,12 +225,12 @@ def _alone(moment: Moment, view: str, shown: Shown) -> Figure:
     high, wide = camera_of(moment, look).shape
     colours = look.colours(moment)
     by_kind = _by_kind(look) and any(kind in moment.kinds for kind in shown.kinds)
+    dpi = dots(wide, look.dpi)
     top, bar, names = (
-        round(look.dpi * inches)
-        for inches in (STRIP, 0 if colours is None else BAR, STRIP * by_kind)
+        round(dpi * inches) for inches in (STRIP, 0 if colours is None else BAR, STRIP * by_kind)
     )
     pixels = high + top + bar + names
-    figure = Figure(figsize=(wide / look.dpi, pixels / look.dpi), dpi=look.dpi)
+    figure = Figure(figsize=(wide / dpi, pixels / dpi), dpi=dpi)
     axes = figure.add_axes((0, (bar + names) / pixels, 1, high / pixels))
     VIEWS[view].draw(axes, moment, shown)
     if colours is not None:
@@ -286,12 +288,12 @@ def check_suffix(path: Path, formats: Collection[str]) -> None:
 
 
 @plain
-def save(figure: Figure, path: str | Path, dpi: int = 100) -> Path:
+def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure."""
     path = check_output(path)
     try:
         with atomic_write(path) as place:
-            figure.savefig(place, dpi=dpi, facecolor="white")
+            figure.savefig(place, facecolor="white")
     except OSError as error:
         raise FigureError(f"output {path}: {error.strerror}") from None
     return path
