@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 import scipy.stats
-from lammps_skin.analysis.papillae import blocks, find_papillae, on_tip, skewness, tip_fraction
+from lammps_skin.analysis.papillae import (
+    at_least,
+    blocks,
+    find_papillae,
+    on_tip,
+    skewness,
+    tip_fraction,
+)
 from lammps_skin.analysis.surface import height_field, smooth
 from meshes import sheet
 
@@ -170,6 +177,14 @@ def test_tip_fraction_at_its_limits():
     assert np.isnan(tip_fraction(yes, none)[1:]).all()
     one = tip_fraction(yes[:1], yes[:1])
     assert one[:3] == (1, 1, 0) and one.p_value == 1 and np.isnan(one.z)
+
+
+def test_tail_of_the_hypergeometric_distribution():
+    """For every number that can be found, also in a crowd."""
+    for total, marked, drawn in ((1, 1, 1), (9, 0, 4), (9, 9, 4), (13, 5, 4), (2000, 300, 64)):
+        for found in range(max(0, drawn + marked - total), min(drawn, marked) + 1):
+            expected = scipy.stats.hypergeom.sf(found - 1, total, marked, drawn)
+            assert at_least(found, drawn, marked, total) == pytest.approx(expected, rel=1e-9)
 
 
 def test_skewness_has_the_sign_of_the_protuberances():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from math import comb
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import fisher_exact
 
 from lammps_skin.analysis.geometry import Box, periodic_tree
 from lammps_skin.analysis.topography import Peaks, peaks
@@ -145,9 +145,20 @@ def tip_fraction(chosen: Bools, others: Bools) -> TipFraction:
     n, share = c + o, (up + tips) / (c + o)
     sd = float(np.sqrt(share * (1 - share) * n**2 / (c * o * (n - 1))))
     z = (fraction - expected) / sd if sd > 0 else np.nan
-    table = np.array([[up, c - up], [tips, o - tips]])
-    p_value = float(fisher_exact(table, alternative="greater").pvalue)
-    return TipFraction(fraction, expected, sd, z, p_value)
+    return TipFraction(fraction, expected, sd, z, at_least(up, c, up + tips, n))
+
+
+def at_least(found: int, drawn: int, marked: int, total: int) -> float:
+    """Probability that so many of those drawn without replacement are marked, or more.
+
+    The terms of the hypergeometric distribution are summed as whole numbers: the result is exact
+    but for the rounding of a quotient.
+    """
+    ways, term = 0, comb(marked, found) * comb(total - marked, drawn - found)
+    for k in range(found, min(drawn, marked) + 1):
+        ways += term
+        term = term * (marked - k) * (drawn - k) // ((k + 1) * (total - marked - drawn + k + 1))
+    return ways / comb(total, drawn)
 
 
 def blocks(height: Floats, per_side: int) -> list[Floats]:

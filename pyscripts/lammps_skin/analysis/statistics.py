@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.special import expit, logit, ndtri, stdtr, stdtrit
 
 from lammps_skin.arrays import Floats, Ints
@@ -180,6 +179,8 @@ def _widest(values: Floats, confidence: float) -> float:
 
 def _half_width(values: Floats, confidence: float) -> float:
     """Half width of the interval around the mean of a first-order autoregression (n,)."""
+    from scipy.optimize import brentq  # which takes a tenth of a second to import
+
     n, deviations = len(values), values - values.mean()
     squares, products = deviations @ deviations, deviations[1:] @ deviations[:-1]
     first, last = deviations[0], deviations[-1]
