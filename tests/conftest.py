@@ -2,9 +2,9 @@
 
 import os
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -40,3 +40,25 @@ def skin(
         return Answer(end.value.code, *capsys.readouterr())
 
     return call
+
+
+@pytest.fixture
+def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs of ensembles and studies without workers, which take longer to start than a short run.
+
+    For tests that are about something else; those of workers are in `tests/study`.
+    """
+    from lammps_skin.study import runner
+
+    def run_all(
+        todo: Sequence[Any], _jobs: int = 1, keep: bool = False, progress: Any = None, *_: Any
+    ) -> dict[Any, str]:
+        failures = {}
+        for member in todo:
+            if error := runner._attempt(member, keep):
+                failures[member] = error
+            elif progress:
+                progress(member, member.scene.end_time)
+        return failures
+
+    monkeypatch.setattr(runner, "run_all", run_all)

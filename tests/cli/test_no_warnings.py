@@ -47,8 +47,10 @@ color = "#e0559d"
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("name", SCENES)
-def test_no_warnings(name, skin, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("name", "workers"), [("wound", True), ("mutant", False)])
+def test_no_warnings(name, workers, skin, tmp_path, monkeypatch, request):
+    if not workers:
+        request.getfixturevalue("in_this_process")
     monkeypatch.setenv("PYTHONWARNINGS", "error::UserWarning")  # in the processes of an ensemble
     file = tmp_path / f"{name}.toml"
     file.write_text(f'name = "{name}"\n{SMALL}{SCENES[name]}')

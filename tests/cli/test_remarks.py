@@ -63,6 +63,7 @@ def test_what_is_said_is_true(skin):
     assert "3 frames, t = 0 to 1" in skin("stats", "x").out
 
 
+@pytest.mark.usefixtures("in_this_process")
 @pytest.mark.parametrize("command", ["check", "ensemble"])
 def test_commands_that_say_it(command, skin):
     given = (*SMALL, "--set", "end_time=2.03", "--set", "output.dump_interval=1")

@@ -73,6 +73,7 @@ def test_unknown_figures_are_refused(refused):  # noqa: F811
     assert refused("figure", 3, "--seeds", "one").startswith("--seeds one: must be")
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_missing_runs_are_run(skin, tmp_path):
     """A small scene in place of the paper's, and from then on nothing is missing."""
     first = skin("figure", 2, "--yes", "--quick", *SMALL)

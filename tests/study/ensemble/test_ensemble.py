@@ -29,7 +29,8 @@ from lammps_skin.versions import versions
 from tests.run.crates import activities, crate
 
 
-def test_one_command_and_the_same_again(skin, tmp_path, monkeypatch):
+def test_one_command_and_the_same_again(skin, tmp_path, monkeypatch, request):
+    """The first time by two workers, as users run it, and then in this process."""
     monkeypatch.setattr("lammps_skin.cli.ensemble.cores", lambda: 2)
     answer = skin("ensemble", "tiny.toml", "--seeds", "1-2", "-o", "many")
     assert answer.code == 0, answer.out
@@ -53,6 +54,7 @@ def test_one_command_and_the_same_again(skin, tmp_path, monkeypatch):
     assert [path.stat().st_mtime_ns for path in tables] == times
     assert (tmp_path / "many" / "tiny.csv.gz").read_bytes() == packed
 
+    request.getfixturevalue("in_this_process")
     tables[0].unlink()  # what is missing is run, and comes out the same
     answer = skin("ensemble", "tiny.toml", "--seeds", "2,1", "-o", "many", "--keep")
     assert "2 runs, 1 of them there" in answer.out
@@ -110,6 +112,7 @@ def test_a_failure_does_not_lose_the_others(scene, tmp_path):
     assert [path.name for path in gather(both)] == ["tiny.csv.gz"]
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_the_command_reports_failures(skin, tmp_path):
     answer = skin(
         "ensemble", "tiny.toml", "--seeds", 4, "--set", "numerics.timestep=0.5",

@@ -44,6 +44,7 @@ def test_quick(skin, tmp_path):
     assert "1 trajectories and 1 rounds of timing to do" in more.out
 
 
+@pytest.mark.usefixtures("in_this_process")
 def test_ensembles(skin, tmp_path):
     """Runs of the reference are there, and those of the other levels are made."""
     short = ["tiny.toml", "--set", "output.dump_interval=1.0", "--set", "end_time=2.0",
