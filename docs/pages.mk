@@ -134,6 +134,23 @@ $(RUNS)/papilla.toml: docs/start.md
 	mkdir -p $(RUNS)
 	$(BIN)/python docs/pages.py papilla $< $(RUNS)
 
+# ---- studies: name, columns kept, columns and windows of the picture; docs/studies/
+
+define study
+MADE += docs/data/studies/$(1)/courses.parquet docs/figures/study-$(1).png
+docs/data/studies/$(1)/courses.parquet: $(INSTALLED)
+	$(SKIN) study run $(1) -o $(RUNS)/studies/$(1)
+	$(BIN)/python docs/pages.py courses $(RUNS)/studies/$(1) $$(@D) $(2)
+docs/figures/study-$(1).png: docs/data/studies/$(1)/courses.parquet
+	$(SKIN) compare $$(<D) --columns '$(3)' --windows $(4) --plot $$@ --against condition
+	$(REDUCED) $$@
+endef
+asked = $(eval $(call study,$(1),$(2),$(3),$(4)))
+
+ON_TIPS := stem_on_tips-stem_tips_expected
+TISSUE := stem ta exhausted coverage none_below membrane_area height_std skewness papillae papilla_height
+STEM := stem_on_tips stem_tips_expected chi_H zeta
+
 # ---- measurements of numerics: docs/accuracy.md, docs/stability.md
 
 TRADEOFF := docs/data/tradeoff-quarter-ring

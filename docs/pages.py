@@ -4,6 +4,7 @@ python docs/pages.py reduce docs/figures/cells-t600.png
 python docs/pages.py moments runs/wound docs/figures/wound.png 290 300 350
 python docs/pages.py screenshot runs/report.html docs/figures/report.png
 python docs/pages.py papilla docs/start.md runs
+python docs/pages.py courses runs/studies/wound docs/data/studies/wound coverage ta
 python docs/pages.py join docs/data/stability-others.csv runs/one/demo.csv runs/one/one-stem.csv
 """
 
@@ -65,6 +66,19 @@ def papilla(page: str, folder: str) -> None:
     Path("papilla.toml").write_text(scene, "utf-8")
 
 
+def courses(study: str, folder: str, *names: str) -> None:
+    """Write the time courses of a study again as a smaller file: some columns, four digits."""
+    from lammps_skin.study.studies.tables import COURSES
+    from pyarrow import parquet
+
+    table = parquet.read_table(Path(study) / COURSES).to_pandas()
+    kept = table[["point", "seed", "time", *names]].copy()
+    for name in names:
+        kept[name] = [float(f"{value:.4g}") for value in kept[name]]
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    kept.to_parquet(Path(folder) / COURSES, compression="zstd", index=False)
+
+
 def join(path: str, *tables: str) -> None:
     """Write the rows of tables of scenes below each other, with a first column for the scene."""
     lines = []
@@ -75,5 +89,5 @@ def join(path: str, *tables: str) -> None:
 
 
 if __name__ == "__main__":
-    made = {one.__name__: one for one in (reduce, moments, screenshot, papilla, join)}
+    made = {one.__name__: one for one in (reduce, moments, screenshot, papilla, courses, join)}
     made[sys.argv[1]](*sys.argv[2:])

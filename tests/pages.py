@@ -10,14 +10,15 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "pyscripts" / "lammps_skin"
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BY_NAME = [path.name for path in PAGES]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("studies/*.md"))]
+BY_NAME = ["README.md", *(path.relative_to(DOCS).as_posix() for path in PAGES[1:])]
 
 
 @cache
 def text(name: str) -> str:
     """Text of a page, or of a file by its path in the tree."""
-    path = ROOT / name if "/" in name or name == "README.md" else ROOT / "docs" / name
+    path = DOCS / name if name in BY_NAME[1:] else ROOT / name
     return path.read_text("utf-8")
 
 

@@ -43,6 +43,7 @@ RELIEF = (
 )  # fmt: skip
 FRACTIONS = ("coverage", "none_below", "particles_holding")
 LESS = "-"  # in the name of a difference of columns
+REACHES = ">"  # between a column and a level: when it comes to that
 SIGNED = ("skewness", "chi_", "zeta")  # how columns begin whose values may be negative
 
 
@@ -67,14 +68,16 @@ COLUMNS = columns([kind for kind in KINDS if is_cell(kind)])
 
 
 def is_fraction(column: str) -> bool:
-    """Whether the values of a column, or of a difference of columns, are from 0 to 1."""
-    if LESS in column:
+    """Whether the values of a column, or of what is made of columns, are from 0 to 1."""
+    if LESS in column or REACHES in column:
         return False
     return column in FRACTIONS or column.endswith(("_on_tips", "_tips_expected"))
 
 
 def least(column: str) -> float:
-    """What the values of a column, or of a difference of columns, cannot be below."""
+    """What the values of a column, or of what is made of columns, cannot be below."""
+    if REACHES in column:
+        return 0.0
     signed = LESS in column or column.startswith(SIGNED) or column.endswith("_tips_z")
     return -np.inf if signed else 0.0
 

@@ -131,6 +131,29 @@ def pseudo_values(statistic: Callable[[Ints], float], n: int) -> Floats:
     return n * statistic(members) - (n - 1) * without
 
 
+def first_time(times: Floats, values: Floats, level: float) -> float:
+    """Time at which a series first comes to a level from below, interpolated.
+
+    Parameters
+    ----------
+    times, values : (n,) ndarray
+        Values that are not defined are left out.
+    level : float
+
+    Returns
+    -------
+    float
+        The first time if the level is reached there already; NaN if it never is.
+    """
+    defined = ~np.isnan(values)
+    times, values = times[defined], values[defined]
+    reached = np.flatnonzero(values >= level)
+    if not len(reached):
+        return np.nan
+    n = int(reached[0])
+    return float(np.interp(level, values[max(n - 1, 0) : n + 1], times[max(n - 1, 0) : n + 1]))
+
+
 def mean_in_time(
     values: Floats, confidence: float = CONFIDENCE, fraction: bool = False, least: float = -np.inf
 ) -> Mean:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from lammps_skin.study.compare.report import Report
 
 ACROSS = 3  # panels of a figure side by side
+CONDITION = "condition"  # against which means are drawn: one below the other
 
 
 def compare(
@@ -29,8 +30,9 @@ def compare(
         str | None,
         typer.Option(
             metavar="A,B,...",
-            help="Columns of the table of observables, or differences of two, such as "
-            "stem_on_tips-stem_tips_expected [default: about 20].",
+            help="Columns of the table of observables, differences of two, such as "
+            "stem_on_tips-stem_tips_expected, or 'coverage>0.9': when it comes to this level "
+            "[default: about 20].",
         ),
     ] = None,
     windows: Annotated[
@@ -50,7 +52,10 @@ def compare(
     ] = None,
     against: Annotated[
         str | None,
-        typer.Option(metavar="KEY", help="Draw their means against a key of the scenes instead."),
+        typer.Option(
+            metavar="KEY",
+            help="Draw their means against a key of the scenes, or against condition, instead.",
+        ),
     ] = None,
 ) -> None:  # fmt: skip
     """Show runs, ensembles or points of studies side by side, with tests between them."""
@@ -68,7 +73,8 @@ def compare(
         check_output(plot)
     with console.status("reading"):
         found = read(sources)
-    places = {} if against is None else {one.name: one.value_of(against) for one in found}
+    of_a_key = against is not None and against != CONDITION
+    places = {one.name: one.value_of(str(against)) for one in found} if of_a_key else {}
     names = usual_columns(found) if columns is None else columns.split(",")
     found = [one.with_columns(names) for one in found]
     times = windows_of(windows, min(one.end for one in found))
@@ -87,15 +93,19 @@ def compare(
 
 
 def _draw(report: Report, path: Path, against: str | None, places: dict[str, float]) -> None:
-    from lammps_skin.figures.comparison import draw_against
+    from lammps_skin.analysis.observables import REACHES
+    from lammps_skin.figures.comparison import draw_against, draw_conditions
     from lammps_skin.figures.snapshot import save
     from lammps_skin.figures.time_courses import draw_courses
 
     columns = list(dict.fromkeys(row.column for row in report.rows))
     across = min(ACROSS, len(columns))
-    if against is not None:
+    if against == CONDITION:
+        figure = draw_conditions(report.rows, across)
+    elif against is not None:
         figure = draw_against(report.rows, against, places, across)
     else:
         courses = {one.name: one.table for one in report.conditions}
-        figure = draw_courses(courses, {name: name for name in columns}, across)
+        names = {name: name for name in (column.partition(REACHES)[0] for column in columns)}
+        figure = draw_courses(courses, names, min(across, len(names)))
     console.print(str(save(figure, path)))

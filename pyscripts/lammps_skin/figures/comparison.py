@@ -1,4 +1,4 @@
-"""Conditions side by side, against a key of their scenes."""
+"""Conditions side by side: against a key of their scenes, or one below the other."""
 
 from __future__ import annotations
 
@@ -28,10 +28,8 @@ def draw_against(rows: Sequence[Row], key: str, places: Mapping[str, float], acr
         Panels side by side.
     """
     columns = list(dict.fromkeys(row.column for row in rows))
-    down = -(-len(columns) // across)
-    figure = Figure(figsize=(4.6 * across, 3.4 * down), layout="constrained")
-    panels: list[Axes] = list(figure.subplots(down, across, squeeze=False).ravel())
-    for axes, column in zip(panels, columns, strict=False):
+    figure, panels = _panels(len(columns), across, 3.4)
+    for axes, column in zip(panels, columns, strict=True):
         for window in dict.fromkeys(row.window for row in rows):
             chosen = sorted(
                 (row for row in rows if (row.column, row.window) == (column, window)),
@@ -44,7 +42,52 @@ def draw_against(rows: Sequence[Row], key: str, places: Mapping[str, float], acr
                 marker="o", markersize=4, capsize=3, label=f"t = {window}",
             )  # fmt: skip
         axes.set(xlabel=key, ylabel=column)
-    for axes in panels[len(columns) :]:
-        axes.set_axis_off()
     panels[0].legend(frameon=False)
     return figure
+
+
+@plain
+def draw_conditions(rows: Sequence[Row], across: int) -> Figure:
+    """Figure with a panel for each column, in it a line for each condition, from top to bottom.
+
+    Windows lie below each other, and the means of the first condition are dotted lines.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        What is drawn: means with their intervals over seeds.
+    across : int
+        Panels side by side.
+    """
+    columns = list(dict.fromkeys(row.column for row in rows))
+    names = list(dict.fromkeys(row.condition for row in rows))
+    windows = list(dict.fromkeys(row.window for row in rows))
+    figure, panels = _panels(len(columns), across, 1.2 + 0.25 * len(names))
+    for n, (axes, column) in enumerate(zip(panels, columns, strict=True)):
+        for number, window in enumerate(windows):
+            chosen = [row for row in rows if (row.column, row.window) == (column, window)]
+            if not chosen:
+                continue
+            value, _, low, high = np.array([row.value[:4] for row in chosen]).T
+            shift = 0.4 * (number - (len(windows) - 1) / 2) / len(windows)
+            drawn = axes.errorbar(
+                value, [names.index(row.condition) + shift for row in chosen],
+                xerr=[value - low, high - value], fmt="o", markersize=4, capsize=3,
+                label=f"t = {window}",
+            )  # fmt: skip
+            axes.axvline(value[0], color=drawn[0].get_color(), linestyle=":", linewidth=0.8)
+        axes.set(xlabel=column, ylim=(len(names) - 0.5, -0.5))
+        axes.set_yticks(range(len(names)), ["" for _ in names] if n % across else names)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, frameon=False, loc="outside upper right", ncols=len(labels))
+    return figure
+
+
+def _panels(number: int, across: int, height: float) -> tuple[Figure, list[Axes]]:
+    """So many panels, of this height in inches."""
+    down = -(-number // across)
+    figure = Figure(figsize=(4.6 * across, height * down), layout="constrained")
+    panels: list[Axes] = list(figure.subplots(down, across, squeeze=False).ravel())
+    for axes in panels[number:]:
+        axes.set_axis_off()
+    return figure, panels[:number]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin.analysis.statistics import holm, seeds_needed
+from lammps_skin.analysis.statistics import first_time, holm, seeds_needed
 from lammps_skin.errors import SkinError
 from lammps_skin.study.compare.comparison import (
     PAIRED,
@@ -149,3 +150,19 @@ def test_columns_and_windows() -> None:
     doubled = one.with_columns(["zeta-zeta"])
     assert not doubled.table["zeta-zeta"].any()
     assert doubled.table["zeta-zeta"].shape == one.table.shape
+
+
+def test_when_a_level_is_reached() -> None:
+    """On a straight line between frames; at once where it is reached already, else never."""
+    times = np.array([0.0, 10.0, 20.0, 30.0])
+    assert first_time(times, np.array([0.0, 1.0, np.nan, 3.0]), 2.5) == 10.0 + 20.0 * 0.75
+    assert first_time(times, np.array([5.0, 4.0, 3.0, 2.0]), 2.5) == 0.0
+    assert np.isnan(first_time(times, np.array([0.0, 1.0, 2.0, 2.4]), 2.5))
+    one = condition("one", [1])
+    one.table["zeta"] = one.table["time"] / 50
+    other = replace(one, name="other", table=one.table.copy())
+    other.table["zeta"] *= 2
+    rows = compare([one, other], ["zeta>1.5"], [Window(20, 98)])
+    assert [row.value.value for row in rows] == pytest.approx([55.0, 17.5])
+    with pytest.raises(SkinError, match="'zeta>high': 'high' must be a number"):
+        one.with_columns(["zeta>high"])

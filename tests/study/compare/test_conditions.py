@@ -18,6 +18,7 @@ from lammps_skin.study.ensemble import with_seed
 
 from tests.conftest import Answer
 
+BENDING = "membrane.bending_stiffness"
 SCENE = {
     "name": "small", "end_time": 2.0, "dermis": {"present": False},
     "membrane": {"lattice": [12, 14]}, "cells": {"stem": 1, "first_phase": 0.5},
@@ -102,11 +103,12 @@ def test_ensembles_side_by_side(ensembles: Path, skin: Callable[..., Answer]) ->
     ("suffix", "begins"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")]
 )
 def test_plots(ensembles: Path, skin: Callable[..., Answer], suffix: str, begins: bytes) -> None:
-    """Over time and against a key, which the tables tell."""
+    """Over time, against a key, which the tables tell, and by condition."""
     folders = [ensembles / "one", ensembles / "two"]
-    for options in ([], ["--against", "membrane.bending_stiffness"]):
+    columns = "zeta,zeta>0.5"
+    for options in ([], *(["--against", key] for key in (BENDING, "condition"))):
         path = f"plot.{suffix}"
-        found = skin("compare", *folders, "--columns", "zeta", "--plot", path, *options)
+        found = skin("compare", *folders, "--columns", columns, "--plot", path, *options)
         assert found.code == 0, found.err
         assert Path(path).read_bytes().startswith(begins)
 

@@ -8,8 +8,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
 from lammps_skin.analysis.observables import (
     LESS,
+    REACHES,
     Observables,
     Table,
     open_run,
@@ -85,10 +88,17 @@ class Condition:
     def with_columns(self, names: Iterable[str]) -> Condition:
         """The condition with these columns; those named ``A-B`` are made.
 
-        Raises `SkinError` for a column that there is not.
+        Of ``A>LEVEL`` it is A. Raises `SkinError` for a column that there is not, and for a level
+        that is no number.
         """
         table = self.table
         for name in names:
+            name, reaches, level = name.partition(REACHES)
+            if reaches and not _is_number(level):
+                raise SkinError(
+                    f"column '{name}{REACHES}{level}': {level!r} must be a number, the level that "
+                    f"{name} comes to"
+                )
             for part in name.split(LESS):
                 if part not in self.columns or name.count(LESS) > 1:
                     raise SkinError(
@@ -98,6 +108,13 @@ class Condition:
             if LESS in name:
                 table = with_difference(table, name)
         return replace(self, table=table)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return bool(np.isfinite(float(text)))
+    except ValueError:
+        return False
 
 
 def read(sources: Sequence[str]) -> list[Condition]:

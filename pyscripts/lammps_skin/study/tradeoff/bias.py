@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_skin.analysis.observables import Table, read_table
-from lammps_skin.analysis.statistics import mean, seeds_needed
+from lammps_skin.analysis.observables import REACHES, Table, read_table
+from lammps_skin.analysis.statistics import first_time, mean, seeds_needed
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError
 from lammps_skin.study.ensemble import Member
@@ -102,9 +102,15 @@ def biases(
 
 
 def statistic(table: Table, name: str, window: Window) -> float:
-    """Of one run: the mean over a window of what is defined, or the count during it."""
-    inside = table[(table["time"] >= window[0]) & (table["time"] <= window[1])][name]
-    inside = inside[~np.isnan(inside)]
+    """Of one run: the mean over a window of what is defined, or the count during it.
+
+    Of ``A>LEVEL`` the time from the beginning of the window to when A comes to the level.
+    """
+    name, reaches, level = name.partition(REACHES)
+    rows = table[(table["time"] >= window[0]) & (table["time"] <= window[1])]
+    if reaches:
+        return first_time(rows["time"], rows[name], float(level)) - window[0]
+    inside = rows[name][~np.isnan(rows[name])]
     if not len(inside):
         return np.nan
     return float(inside[-1] - inside[0] if name in COUNTS else inside.mean())
