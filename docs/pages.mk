@@ -134,22 +134,33 @@ $(RUNS)/papilla.toml: docs/start.md
 	mkdir -p $(RUNS)
 	$(BIN)/python docs/pages.py papilla $< $(RUNS)
 
-# ---- studies: name, columns kept, columns and windows of the picture; docs/studies/
+# ---- studies: name, columns that are kept, columns and windows of the picture; docs/studies/
 
+EMPTY :=
+LIST = $(subst $(EMPTY) $(EMPTY),$(COMMA),$(1))
 define study
-MADE += docs/data/studies/$(1)/courses.parquet docs/figures/study-$(1).png
+MADE += docs/data/studies/$(1)/courses.parquet docs/figures/studies/$(1).png
 docs/data/studies/$(1)/courses.parquet: $(INSTALLED)
 	$(SKIN) study run $(1) -o $(RUNS)/studies/$(1)
 	$(BIN)/python docs/pages.py courses $(RUNS)/studies/$(1) $$(@D) $(2)
-docs/figures/study-$(1).png: docs/data/studies/$(1)/courses.parquet
-	$(SKIN) compare $$(<D) --columns '$(3)' --windows $(4) --plot $$@ --against condition
+docs/figures/studies/$(1).png: docs/data/studies/$(1)/courses.parquet
+	mkdir -p $$(@D)
+	$(SKIN) compare $$(<D) --columns '$(call LIST,$(3))' --windows $(call LIST,$(4)) --plot $$@ --against condition
 	$(REDUCED) $$@
 endef
 asked = $(eval $(call study,$(1),$(2),$(3),$(4)))
 
-ON_TIPS := stem_on_tips-stem_tips_expected
-TISSUE := stem ta exhausted coverage none_below membrane_area height_std skewness papillae papilla_height
+TIPS := stem_on_tips-stem_tips_expected
 STEM := stem_on_tips stem_tips_expected chi_H zeta
+TISSUE := ta exhausted coverage none_below membrane_area height_std skewness papillae papilla_height
+ND := nd_on_tips nd_tips_expected chi_H_nd zeta_nd
+MUTANT := mutant_on_tips mutant_tips_expected
+
+$(call asked,outward,$(STEM) $(TISSUE),skewness height_std papillae $(TIPS) zeta none_below,400-600)
+$(call asked,photoaging,stem $(STEM) $(TISSUE),height_std papillae papilla_height membrane_area ta none_below,600-750 750-900)
+$(call asked,clone,ta exhausted mutantta mutantex $(MUTANT),mutantta mutantex ta,300-400 500-600)
+$(call asked,wound,stem ta exhausted coverage,coverage coverage>0.95,700-840)
+$(call asked,adhesion,$(STEM) $(ND) coverage none_below skewness papillae,$(TIPS) nd_on_tips-nd_tips_expected zeta zeta_nd,400-600)
 
 # ---- measurements of numerics: docs/accuracy.md, docs/stability.md
 

@@ -43,7 +43,7 @@ def climbs_to_nothing(path: str, file: Path) -> bool:
     )  # fmt: skip
 
 
-CLIMBING = re.compile(r"(?<![\w/])(?:\.\./)+[\w.]+(?:/[\w.]+)+")
+CLIMBING = re.compile(r"(?<![\w/])(?:\.\./)+[\w.-]+(?:/[\w.-]+)+")
 
 
 def test_places_of_python_files_are_in_the_repository() -> None:
