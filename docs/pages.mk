@@ -118,6 +118,13 @@ docs/figures/report.png: $(RUNS)/quarter-ring.done
 	$(BIN)/python docs/pages.py screenshot $(RUNS)/report.html $@
 	$(REDUCED) $@
 
+MADE += docs/figures/report-study.png
+docs/figures/report-study.png: $(INSTALLED)
+	$(SKIN) study adhesion --quick --keep -o $(RUNS)/adhesion-quick
+	$(SKIN) report $(RUNS)/adhesion-quick -o $(RUNS)/study.html
+	$(BIN)/python docs/pages.py screenshot $(RUNS)/study.html $@
+	$(REDUCED) $@
+
 MADE += docs/figures/tutorial-demo.png
 $(call directory,tutorial-demo,demo --set end_time=400.0)
 docs/figures/tutorial-demo.png: $(RUNS)/tutorial-demo.done

@@ -146,6 +146,31 @@ def test_copies_cuts_and_kinds(page: Browser) -> None:
     assert page.value(f"{VIEW}.drawn") == cells - 1
 
 
+def test_play_turn_and_come_closer(page: Browser) -> None:
+    """It plays from the start to the end and stops there, or at the space bar."""
+    page.choose("speed", "15")
+    page.value("document.getElementById('play').click()")
+    assert page.value("page.time") == 0
+    page.until("page.time === page.steps.at(-1) && !page.playing")
+    page.value("document.getElementById('play').click(); document.activeElement.blur()")
+    page.call("Input.dispatchKeyEvent", type="keyDown", code="Space", key=" ")
+    assert page.value("page.playing") == 0
+    page.choose("slider", "5")
+    seen = [pixels(page)]
+    x, y = page.value("(() => { const b = document.querySelector('.view canvas')"
+                      ".getBoundingClientRect(); return [b.x + 200, b.y + 200]; })()")  # fmt: skip
+    mouse = {"button": "left", "buttons": 1, "clickCount": 1}
+    for kind, step in (("mousePressed", 0), ("mouseMoved", 60), ("mouseReleased", 60)):
+        page.call("Input.dispatchMouseEvent", type=kind, x=x + step, y=y, **mouse)
+    seen.append(pixels(page))
+    wheel = {"type": "mouseWheel", "deltaX": 0, "deltaY": -300}
+    page.call("Input.dispatchMouseEvent", x=x, y=y, **wheel)
+    page.until("page.camera.distance < 2")
+    seen.append(pixels(page))
+    assert page.value("page.camera.azimuth") == pytest.approx(-62 - 0.4 * 60)
+    assert (seen[1] != seen[0]).any() and drawn(seen[2]) > 1.2 * drawn(seen[1])
+
+
 def test_curves_are_those_of_the_table_and_lead_to_a_time(page: Browser, run: Path) -> None:
     from lammps_skin.analysis.observables import observables
 

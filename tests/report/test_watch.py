@@ -28,15 +28,16 @@ from tests.report.browser import Browser
 
 SKIN = [sys.executable, "-c", "from lammps_skin.cli import main; main()"]
 ENDLESS = ("--set", "end_time=100000.0", "--set", "output.dump_interval=20.0")
-PATIENCE = 60.0  # seconds
+WRITTEN = "events.csv", "log.lammps"
+PATIENCE = 150.0  # seconds
 
 
 class Going:
-    """A run in a process of its own, which stands still but for `go_on`."""
+    """A run in processes of its own, which stand still but for `go_on`."""
 
-    def __init__(self, directory: Path) -> None:
-        self.directory = directory
-        command = [*SKIN, "run", "one-stem", "-o", str(directory), *ENDLESS, "--ranks", "1"]
+    def __init__(self, directory: Path, ranks: str) -> None:
+        self.directory, self.ranks = directory, int(ranks)
+        command = [*SKIN, "run", "one-stem", "-o", str(directory), *ENDLESS, "--ranks", ranks]
         settings = ("--set", "cells.generations=2", "--set", "output.checkpoint_interval=20.0",
                     "--set", "dermis.present=false")  # fmt: skip
         self.process = subprocess.Popen(
@@ -57,12 +58,21 @@ class Going:
             assert time.monotonic() < deadline and self.process.poll() is None
             time.sleep(0.05)
         self.process.send_signal(signal.SIGSTOP)
-        time.sleep(0.2)
+        before = None
+        while before != (now := self._sizes()):  # ranks end the piece of the run that they are in
+            before = now
+            time.sleep(0.2 * self.ranks)
+
+    def _sizes(self) -> list[int]:
+        return [self.frames, *((self.directory / name).stat().st_size for name in WRITTEN)]
 
 
-@pytest.fixture(scope="module")
-def going(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Going]:
-    going = Going(tmp_path_factory.mktemp("going") / "run")
+@pytest.fixture(scope="module", params=["1", pytest.param("2", marks=pytest.mark.slow)])
+def going(
+    tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest
+) -> Iterator[Going]:
+    """A run that goes on, on one rank or on two."""
+    going = Going(tmp_path_factory.mktemp("going") / "run", request.param)
     yield going
     going.process.kill()
     going.process.wait()
