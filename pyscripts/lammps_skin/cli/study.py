@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from collections import Counter
+from collections.abc import Collection
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,8 +16,9 @@ from typer.core import TyperGroup
 from lammps_skin.cli.ensemble import FAILED, INTERRUPTED, run_members
 from lammps_skin.cli.options import Jobs, Scheduler
 from lammps_skin.cli.output import console, counted, duration, print_table
-from lammps_skin.errors import FigureError, SceneError
+from lammps_skin.errors import SceneError
 from lammps_skin.model.remarks import remarks
+from lammps_skin.model.scene_keys import near
 
 if TYPE_CHECKING:
     from lammps_skin.analysis.statistics import Mean
@@ -30,9 +32,20 @@ class RunByDefault(TyperGroup):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put the word in front of what names no subcommand."""
         if args and args[0] not in (*self.commands, "--help"):
+            _check_word(args[0], self.commands)
             args = ["run", *args]
         rest: list[str] = super().parse_args(ctx, args)
         return rest
+
+
+def _check_word(word: str, commands: Collection[str]) -> None:
+    """Raise `SceneError` for a misspelt subcommand."""
+    hint = near(word, commands)
+    if hint and not Path(word).exists():
+        from lammps_skin.study.studies.design import built_in
+
+        if word not in built_in():
+            raise SceneError(f"study {word!r}: neither a subcommand nor a study{hint}")
 
 
 study = typer.Typer(cls=RunByDefault, no_args_is_help=True, rich_markup_mode=None)
@@ -144,7 +157,7 @@ def slurm(
         f"#SBATCH --cpus-per-task={cpus}",
         f"#SBATCH {shlex.quote(f'--output={asked.design.name}-%a.log')}",
         "# the same script goes on with what is missing after a limit of time or a failure",
-        f"exec {shlex.join(command)} --share $SLURM_ARRAY_TASK_ID/{tasks}",
+        f'exec {shlex.join(command)} --share "$SLURM_ARRAY_TASK_ID/{tasks}"',
     ]
     try:
         with atomic_write(path) as part:
@@ -254,10 +267,7 @@ def plot(
     asked, means, wanted = _answered(file, output, columns, quick)
     axis = answer.against_of(asked.design, against)
     if axis == answer.TIME:
-        courses = read_courses(asked.folder)
-        if not courses:
-            raise FigureError(f"study {file}: no run is done")
-        figure = answer.draw_over_time(courses, wanted)
+        figure = answer.draw_over_time(read_courses(asked.folder), wanted)
     else:
         window = asked.design.windows[-1]
         figure = answer.draw_against(asked.design, means, wanted, axis, window)
@@ -286,6 +296,8 @@ def _answered(
     asked = opened(file, output, quick)
     wanted = ["".join(word.split()) for word in columns.split(",")] if columns else list(SHOWN)
     check_columns(wanted, observables_of(asked))
+    if not any(run.done for run in asked.runs):
+        raise SceneError(f"study {file}: no run is done in {asked.folder}")
     asked.write_design()
     write_tables(asked)
     return asked, read_means(asked.folder), wanted

@@ -215,6 +215,9 @@ def test_built_in_studies(
         assert skin("study", "write", name).code == 0
         assert Design.load(tmp_path / f"{name}.toml").points == full.points
         assert f"file {name}.toml: exists" in skin("study", "write", name).err
+    assert "study 'stats': neither a subcommand nor a study; did you mean" in skin(
+        "study", "stats", "a.toml"
+    ).err
     assert "did you mean adhesion?" in skin("study", "adheson").err
     (tmp_path / "slow.toml").write_text('scene = "two-cells"')
     assert "--quick: the study has no table `quick`" in skin("study", "slow.toml", "--quick").err

@@ -105,6 +105,9 @@ def test_what_is_done_is_not_run_again(
     assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
     assert (done.folder / "tiny.png").stat().st_size > 10_000
     for words, told in (
+        (["show", "--columns", "zeta,,ta"], "--columns : there is no column ''; allowed: "),
+        (["show", "-o", "elsewhere"], "study tiny.toml: no run is done in elsewhere"),
+        (["status", "-o", "tiny.toml"], "history "),
         (["show", "--columns", "zetta"], "--columns zetta: there is no column zetta; did you mean"),
         (["plot", "--against", "tme"], "--against tme: must be one of time, cells.generations"),
         (["run", "--share", "3/2"], "--share 3/2: must be K/N"),

@@ -41,8 +41,9 @@ def check_columns(wanted: Sequence[str], observed: Sequence[str]) -> None:
         for name in column.split(MINUS):
             if name not in observed:
                 raise SceneError(
-                    f"--columns {column}: there is no column {name}{near(name, observed)}; "
-                    f"allowed: {', '.join(observed)}, and differences such as a-b"
+                    f"--columns {column}: there is no column {name or repr(name)}"
+                    f"{near(name, observed)}; allowed: {', '.join(observed)}, and differences "
+                    "such as a-b"
                 )
 
 

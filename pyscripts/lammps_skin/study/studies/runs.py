@@ -76,7 +76,8 @@ class StudyRun(Member):
         except FileNotFoundError:
             return []
         except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise SkinError(f"history {self.directory / HISTORY}: {error}") from None
+            reason = getattr(error, "strerror", None) or error
+            raise SkinError(f"history {self.directory / HISTORY}: {reason}") from None
 
     def note(self, event: str, error: str = "") -> None:
         """Add a line to the history; what cannot be written, as on a full disk, is left out."""
