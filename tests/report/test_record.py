@@ -102,8 +102,15 @@ def test_cells_and_events_are_those_of_the_run(run: Path) -> None:
     ]
     assert (found["cell_clone"] == found["cell_id"][0]).all()  # of one stem cell
     assert len(found["event_time"]) == len((run / "events.csv").read_text().splitlines()) - 1
-    born = found["cell_age"][~np.isnan(found["cell_age"])]
-    assert len(born) and born.min() >= 0
+    founder = found["cell_id"] == found["cell_id"][0]
+    born = found["cell_age"][~founder]
+    assert np.isnan(found["cell_age"][founder]).all() and len(born) and born.min() >= 0
+    ends = told["ranges"]["cells"]
+    assert 0.9 < np.mean(born <= ends["age"]) <= 1
+    heights = told["ranges"]["low"][2] + found["cells"][:, 2] / 65535 * (
+        told["ranges"]["high"][2] - told["ranges"]["low"][2]
+    )
+    assert np.mean((heights >= ends["height"][0]) & (heights <= ends["height"][1])) > 0.9
     assert dict((key, value) for key, value, given in told["keys"] if given)["end_time"] == "300.0"
 
 

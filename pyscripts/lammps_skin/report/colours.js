@@ -14,12 +14,12 @@ function shade(scale, value, low, high) {
 const CELL_COLOURS = {
   kind: { title: "kind", of: (run, n) => rgb(run.kinds.get(run.arrays.cell_kind[n]).colour) },
   height: {
-    title: "height", scale: "height", ends: (run) => run.told.ranges.height,
+    title: "height", scale: "height", ends: (run) => run.told.ranges.cells.height,
     value: (run, n) => run.length(run.arrays.cells, n, 2),
   },
   curvature: {
     title: "mean curvature below", scale: "curvature",
-    ends: (run) => [-run.told.ranges.curvature, run.told.ranges.curvature],
+    ends: (run) => [-run.told.ranges.cells.curvature, run.told.ranges.cells.curvature],
     value: (run, n) => run.arrays.cell_curvature[n],
   },
   clone: {
@@ -27,7 +27,7 @@ const CELL_COLOURS = {
     of: (run, n) => SCALES.clones[run.clones.get(run.arrays.cell_clone[n]) % SCALES.clones.length],
   },
   age: {
-    title: "age (time units)", scale: "age", ends: (run) => [0, run.oldest],
+    title: "age (time units)", scale: "age", ends: (run) => [0, run.told.ranges.cells.age],
     value: (run, n) => run.arrays.cell_age[n], unknown: "there from the start",
   },
   left: {

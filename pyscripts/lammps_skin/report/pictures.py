@@ -40,7 +40,7 @@ class Picture(NamedTuple):
         Positions, each in the image nearest to the membrane below.
     of_cells : dict of (c,) arrays
         The names in `CELL`: id, number of the kind, founder of the clone, age (NaN of those that
-        were not born in the run), generations left (-1: endless or none), number of cells
+        were there at the start of all), generations left (-1: endless or none), number of cells
         straight below, and mean curvature below.
     dermis : (d, 3) array
         Positions, each in the image nearest to its first one; (0, 3) if not wanted.
@@ -63,7 +63,7 @@ class Pictures(StateAnalysis):
         dermal = run.universe.atoms.types == Kind.DERMAL.label
         self._dermal = np.flatnonzero(dermal if dermis else np.zeros_like(dermal))
         moment = run.universe.trajectory[0]
-        first = self._state(moment)
+        self._begin, first = moment.time, self._state(moment)
         self.first, self.triangles = wrapped(first.membrane, first.box), first.triangles
         self._dermis = wrapped(moment.data["position"][self._dermal], first.box)
 
@@ -73,12 +73,13 @@ class Pictures(StateAnalysis):
         dermis = _near(self._ts.data["position"][self._dermal], self._dermis, state.box)
         above = minimum_image(state.cells - state.membrane[state.below], state.box)
         held, of_cells = self._ts.data, state.ids - 1
+        born = (held["parent"][of_cells] > 0) | (held["birth_time"][of_cells] > self._begin)
         radius = state.scene.cells.radius
         return (Picture(membrane, bent, _height(state), membrane[state.below] + above, {
             "id": state.ids,
             "kind": state.kinds,
             "clone": self._founders(state.ids),
-            "age": state.time - held["birth_time"][of_cells],
+            "age": np.where(born, state.time - held["birth_time"][of_cells], np.nan),
             "left": held["divisions_left"][of_cells],
             "below": number_below(state.cells, state.box, radius),
             "curvature": bent[state.below],
@@ -149,7 +150,7 @@ def arrays(pictures: Sequence[Picture]) -> tuple[dict[str, NDArray[Any]], dict[s
     dermis = np.array([picture.dermis for picture in pictures])
     around = np.concatenate([membrane.reshape(-1, 3), cells, dermis.reshape(-1, 3)])
     low, high = around.min(axis=0), around.max(axis=0)
-    steepest = float(np.nanquantile(np.abs(bent), 1 - OUTLYING)) or 1.0
+    steepest = _most(bent)
     bottom, top = np.nanmin(membrane[..., 2]), np.nanmax(membrane[..., 2])
     packed: dict[str, NDArray[Any]] = {
         "membrane": quantised(membrane, low, high, "u2"),
@@ -166,8 +167,19 @@ def arrays(pictures: Sequence[Picture]) -> tuple[dict[str, NDArray[Any]], dict[s
         if kind == "u1":
             values = np.minimum(values, 255)
         packed[f"cell_{name}"] = values.astype(kind)
+    ends = [OUTLYING, 1 - OUTLYING]
     ranges = {
         "low": low.tolist(), "high": high.tolist(), "curvature": steepest,
         "height": [float(bottom), float(top)],
+        "cells": {
+            "height": np.quantile(cells[:, 2], ends).tolist() if len(cells) else [0.0, 1.0],
+            "curvature": _most(packed["cell_curvature"]), "age": _most(packed["cell_age"]),
+        },
     }  # fmt: skip
     return packed, ranges
+
+
+def _most(values: NDArray[Any]) -> float:
+    """Below which nearly all numbers are, whatever their sign; 1 if there is none but 0."""
+    sizes = np.abs(values[~np.isnan(values)])
+    return (float(np.quantile(sizes, 1 - OUTLYING)) if len(sizes) else 0.0) or 1.0

@@ -37,7 +37,6 @@ class Run {
     this.kinds = new Map(told.kinds.map((kind) => [kind.number, kind]));
     const founders = [...new Set(arrays.cell_clone)].sort((a, b) => a - b);
     this.clones = new Map(founders.map((founder, n) => [founder, n]));
-    this.oldest = arrays.cell_age.reduce((most, age) => (age > most ? age : most), 0) || 1;
     this.most = { left: 1, below: 3 };
     for (const name of ["left", "below"])
       this.most[name] = arrays["cell_" + name].reduce((a, b) => Math.max(a, b), this.most[name]);
