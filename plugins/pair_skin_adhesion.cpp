@@ -7,8 +7,6 @@
 
 #include "atom.h"
 
-#include <algorithm>
-
 using namespace LAMMPS_NS;
 
 namespace {
@@ -30,12 +28,27 @@ struct Adhesion {
     const T slopes = s * (1.0 - quartic * s * s);
     return (s > zero) & (s < most) ? -(stiffness * per_contact) * slopes / r : zero;
   }
+
+  template <class T> SKIN_METHOD T energy(const T &rsq) const
+  {
+    const T zero = {}, most = zero + width;
+    const T r = root(rsq);
+    const T s = smaller<T>(larger<T>(r * per_contact - 1.0, zero), most), ssq = s * s;
+    const T energies = 0.5 * ssq - 0.25 * quartic * ssq * ssq - 0.25 * width * width;
+    return s < most ? stiffness * energies : zero;
+  }
 };
 
 SKIN_VECTOR double pull_all(const std::vector<SkinAtomPair> &pairs, const Adhesion &potential,
                             const double *x, double *f)
 {
   return skin_add_pair_forces(pairs, potential, x, f);
+}
+
+SKIN_VECTOR double add_all(const std::vector<SkinAtomPair> &pairs, const Adhesion &potential,
+                           const double *x)
+{
+  return skin_add_pair_energies(pairs, potential, x);
 }
 
 }    // namespace
@@ -57,6 +70,14 @@ double PairSkinAdhesion::pull(const std::vector<SkinAtomPair> &pairs, const doub
 
 /* ---------------------------------------------------------------------- */
 
+double PairSkinAdhesion::add_energies(const std::vector<SkinAtomPair> &pairs,
+                                      const double *coeffs) const
+{
+  return add_all(pairs, Adhesion(coeffs), atom->x[0]);
+}
+
+/* ---------------------------------------------------------------------- */
+
 double PairSkinAdhesion::slope(double rsq, const double *coeffs) const
 {
   return Adhesion(coeffs).slope(rsq);
@@ -64,9 +85,7 @@ double PairSkinAdhesion::slope(double rsq, const double *coeffs) const
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkinAdhesion::energy(double r, const double *coeffs) const
+double PairSkinAdhesion::energy(double rsq, const double *coeffs) const
 {
-  const Adhesion adhesion(coeffs);
-  const double w = adhesion.width, s = std::clamp(r / coeffs[1] - 1.0, 0.0, w);
-  return coeffs[0] * (0.5 * s * s - 0.25 * adhesion.quartic * s * s * s * s - 0.25 * w * w);
+  return Adhesion(coeffs).energy(rsq);
 }

@@ -113,13 +113,16 @@ std::vector<double> PairSkinBase::of_types(int i, int j) const
 void PairSkinBase::tally()
 {
   double **x = atom->x;
+  const bool each = eflag_atom || vflag_either || num_tally_compute;
   for (size_t kind = 0; kind < of_kind.size(); kind++) {
     const double *const c = of_kind[kind].data();
+    if (!each) eng_vdwl += add_energies(contacts.of_kind[kind], c);
+    if (!each) continue;
     for (const auto &[i, j] : contacts.of_kind[kind]) {
       const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
       const double rsq = dx * dx + dy * dy + dz * dz;
       if (rsq >= range(c) * range(c)) continue;
-      const double e = eflag_either ? energy(std::sqrt(rsq), c) : 0.0;
+      const double e = eflag_either ? energy(rsq, c) : 0.0;
       ev_tally(i, j, atom->nlocal, 1, e, 0.0, slope(rsq, c), dx, dy, dz);
     }
   }
@@ -145,14 +148,6 @@ void PairSkinBase::check_overlap() const
                    update->ntimestep, r, within, skin_remedy(update, modify, at_start));
     }
   }
-}
-
-/* ---------------------------------------------------------------------- */
-
-double PairSkinBase::phi(double x)
-{
-  const double inverse = 1.0 / (x * x), six = inverse * inverse * inverse;
-  return six * six / 12.0 - six / 6.0;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -355,7 +350,7 @@ double PairSkinBase::single(int /*i*/, int /*j*/, int itype, int jtype, double r
   const std::vector<double> all = of_types(itype, jtype);
   const double *const c = all.data();
   fforce = factor_lj * slope(rsq, c);
-  return rsq < range(c) * range(c) ? factor_lj * energy(std::sqrt(rsq), c) : 0.0;
+  return rsq < range(c) * range(c) ? factor_lj * energy(rsq, c) : 0.0;
 }
 
 /* ---------------------------------------------------------------------- */

@@ -49,17 +49,19 @@ class PairSkinBase : public Pair {
 
   virtual double pull(const std::vector<SkinAtomPair> &, const double *coeffs) = 0;
 
-  // -dE/dr / r and E of one pair at a distance within range
+  // energy of all pairs of a kind
+
+  virtual double add_energies(const std::vector<SkinAtomPair> &, const double *coeffs) const = 0;
+
+  // -dE/dr / r and E of one pair
 
   virtual double slope(double rsq, const double *coeffs) const = 0;
-  virtual double energy(double r, const double *coeffs) const = 0;
+  virtual double energy(double rsq, const double *coeffs) const = 0;
 
   // distance up to which there are forces, and below which a run ends
 
   virtual double range(const double *coeffs) const;
   virtual double closest(const double *coeffs) const;
-
-  static double phi(double x);    // the Lennard-Jones shape with its minimum -1/12 at 1
 
  private:
   std::string style;

@@ -44,6 +44,14 @@ double PairSkinCore::pull(const std::vector<SkinAtomPair> &pairs, const double *
 
 /* ---------------------------------------------------------------------- */
 
+double PairSkinCore::add_energies(const std::vector<SkinAtomPair> & /*pairs*/,
+                                  const double * /*coeffs*/) const
+{
+  return 0.0;
+}
+
+/* ---------------------------------------------------------------------- */
+
 double PairSkinCore::slope(double /*rsq*/, const double * /*coeffs*/) const
 {
   return 0.0;
@@ -51,7 +59,7 @@ double PairSkinCore::slope(double /*rsq*/, const double * /*coeffs*/) const
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkinCore::energy(double /*r*/, const double * /*coeffs*/) const
+double PairSkinCore::energy(double /*rsq*/, const double * /*coeffs*/) const
 {
   return 0.0;
 }

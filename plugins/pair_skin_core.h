@@ -12,6 +12,7 @@ class PairSkinCore : public PairSkinBase {
 
  protected:
   double pull(const std::vector<SkinAtomPair> &, const double *) override;
+  double add_energies(const std::vector<SkinAtomPair> &, const double *) const override;
   double slope(double, const double *) const override;
   double energy(double, const double *) const override;
   double range(const double *) const override;

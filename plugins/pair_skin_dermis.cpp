@@ -8,19 +8,18 @@
 
 #include "atom.h"
 
-#include <algorithm>
-
 using namespace LAMMPS_NS;
 
 namespace {
 
 struct SoftSphere {
-  double stiffness, per_contact, core, onset, cutsq;
+  double stiffness, per_contact, core, onset, cutsq, end = 0.0;
 
   explicit SoftSphere(const double *c) :
       stiffness(c[0]), per_contact(1.0 / c[1]), core(c[2]), onset(c[3]),
       cutsq(c[1] * c[1] * c[4] * c[4])
   {
+    end = shape(c[4]);
   }
 
   template <class T> SKIN_METHOD T slope(const T &rsq) const
@@ -36,12 +35,33 @@ struct SoftSphere {
     const T slopes = (six - six * six) * inverse + core * (smaller<T>(x, one) - 1.0);
     return rsq < cutsq ? -(stiffness * per_contact) * slopes * (reciprocal * argument) : zero;
   }
+
+  template <class T> SKIN_METHOD T energy(const T &rsq) const
+  {
+    const T zero = {}, one = zero + 1.0, first = zero + onset;
+    const T x = root(rsq) * per_contact, overlap = smaller<T>(x, one) - 1.0;
+    const T argument = larger<T>(x, one) + (smaller<T>(x, first) - onset);
+    const T energies = 0.5 * core * overlap * overlap + shape<T>(argument) - end;
+    return rsq < cutsq ? stiffness * energies : zero;
+  }
+
+  template <class T> SKIN_METHOD T shape(const T &x) const
+  {
+    const T square = 1.0 / (x * x), six = square * square * square;
+    return six * six / 12.0 - six / 6.0;
+  }
 };
 
 SKIN_VECTOR double pull_all(const std::vector<SkinAtomPair> &pairs, const SoftSphere &potential,
                             const double *x, double *f)
 {
   return skin_add_pair_forces(pairs, potential, x, f);
+}
+
+SKIN_VECTOR double add_all(const std::vector<SkinAtomPair> &pairs, const SoftSphere &potential,
+                           const double *x)
+{
+  return skin_add_pair_energies(pairs, potential, x);
 }
 
 }    // namespace
@@ -64,6 +84,14 @@ double PairSkinDermis::pull(const std::vector<SkinAtomPair> &pairs, const double
 
 /* ---------------------------------------------------------------------- */
 
+double PairSkinDermis::add_energies(const std::vector<SkinAtomPair> &pairs,
+                                    const double *coeffs) const
+{
+  return add_all(pairs, SoftSphere(coeffs), atom->x[0]);
+}
+
+/* ---------------------------------------------------------------------- */
+
 double PairSkinDermis::slope(double rsq, const double *coeffs) const
 {
   return SoftSphere(coeffs).slope(rsq);
@@ -71,9 +99,7 @@ double PairSkinDermis::slope(double rsq, const double *coeffs) const
 
 /* ---------------------------------------------------------------------- */
 
-double PairSkinDermis::energy(double r, const double *coeffs) const
+double PairSkinDermis::energy(double rsq, const double *coeffs) const
 {
-  const double x = r / coeffs[1], core = std::min(x, 1.0) - 1.0, onset = coeffs[3];
-  const double argument = std::max(x, 1.0) + std::min(x, onset) - onset;
-  return coeffs[0] * (0.5 * coeffs[2] * core * core + phi(argument) - phi(coeffs[4]));
+  return SoftSphere(coeffs).energy(rsq);
 }

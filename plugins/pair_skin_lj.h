@@ -11,6 +11,7 @@ class PairSkinLJ : public PairSkinBase {
 
  protected:
   double pull(const std::vector<SkinAtomPair> &, const double *) override;
+  double add_energies(const std::vector<SkinAtomPair> &, const double *) const override;
   double slope(double, const double *) const override;
   double energy(double, const double *) const override;
 };

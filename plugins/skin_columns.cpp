@@ -8,7 +8,7 @@ using namespace LAMMPS_NS;
 
 // particles in a column, if they were spread evenly
 
-static constexpr double COLUMN = 4.0;
+static constexpr double COLUMN = 8.0;
 
 // columns along a side at most, and their width at least
 
@@ -24,17 +24,22 @@ void SkinColumns::sort(const Atom *atom, const std::vector<char> &wanted)
   const int *const type = atom->type;
   const int n = atom->nlocal + atom->nghost;
 
+  chosen.clear();
+  for (int i = 0; i < n; i++)
+    if (wanted[type[i]]) chosen.push_back(i);
+  const int count = (int) chosen.size();
+
   double hi[2] = {0.0, 0.0};
   lo[0] = lo[1] = 0.0;
-  int count = 0;
-  for (int i = 0; i < n; i++) {
-    if (!wanted[type[i]]) continue;
-    for (int d = 0; d < 2; d++) {
-      if (count == 0 || at[i][d] < lo[d]) lo[d] = at[i][d];
-      if (count == 0 || at[i][d] > hi[d]) hi[d] = at[i][d];
-    }
-    count++;
+  if (count) {
+    std::copy_n(at[chosen[0]], 2, lo);
+    std::copy_n(at[chosen[0]], 2, hi);
   }
+  for (const int i : chosen)
+    for (int d = 0; d < 2; d++) {
+      lo[d] = std::min(lo[d], at[i][d]);
+      hi[d] = std::max(hi[d], at[i][d]);
+    }
 
   const double sides[2] = {hi[0] - lo[0], hi[1] - lo[1]};
   width = std::sqrt(COLUMN * sides[0] * sides[1] / std::max(count, 1));
@@ -48,22 +53,18 @@ void SkinColumns::sort(const Atom *atom, const std::vector<char> &wanted)
   tag.resize(count);
   column_of.resize(count);
 
-  int k = 0;
-  for (int i = 0; i < n; i++) {
-    if (!wanted[type[i]]) continue;
-    column_of[k] = column(1, at[i][1]) * ncolumns[0] + column(0, at[i][0]);
-    first[column_of[k++] + 1]++;
+  for (int k = 0; k < count; k++) {
+    const double *const point = at[chosen[k]];
+    column_of[k] = column(1, point[1]) * ncolumns[0] + column(0, point[0]);
+    first[column_of[k] + 1]++;
   }
   for (size_t c = 1; c < first.size(); c++) first[c] += first[c - 1];
 
   zlo.assign(first.size(), INFINITY);
   zhi.assign(first.size(), -INFINITY);
   slot.assign(first.begin(), first.end());
-  k = 0;
-  for (int i = 0; i < n; i++) {
-    if (!wanted[type[i]]) continue;
-    const int c = column_of[k++];
-    const int place = slot[c]++;
+  for (int k = 0; k < count; k++) {
+    const int i = chosen[k], c = column_of[k], place = slot[c]++;
     for (int d = 0; d < 3; d++) x[d][place] = at[i][d];
     index[place] = i;
     tag[place] = atom->tag[i];
@@ -176,6 +177,7 @@ double SkinColumns::memory_usage() const
 {
   return (double) (x[0].capacity() + x[1].capacity() + x[2].capacity() + zlo.capacity() +
                    zhi.capacity()) * sizeof(double) +
-      (double) (first.capacity() + index.capacity() + column_of.capacity() + slot.capacity()) *
+      (double) (first.capacity() + index.capacity() + column_of.capacity() + slot.capacity() +
+                chosen.capacity()) *
       sizeof(int) + (double) tag.capacity() * sizeof(tagint);
 }

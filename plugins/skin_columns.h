@@ -78,7 +78,7 @@ class SkinColumns {
  private:
   double lo[2] = {0.0, 0.0}, per_width = 0.0;
   std::vector<double> zlo, zhi;    // extent of each column's particles
-  std::vector<int> column_of, slot;
+  std::vector<int> chosen, column_of, slot;
 };
 
 }    // namespace LAMMPS_NS

@@ -1,4 +1,4 @@
-// Forces between the two particles of each of many pairs, four pairs at a time.
+// Forces between the two particles of each of many pairs, four pairs at a time; their energy.
 
 #ifndef LMP_SKIN_PAIR_FORCES_H
 #define LMP_SKIN_PAIR_FORCES_H
@@ -55,6 +55,31 @@ SKIN_INLINE double skin_add_pair_forces(const std::vector<SkinAtomPair> &all,
   for (; k < n; k++) skin_add_pair_force<POTENTIAL, double>(all.data() + k, potential, x, f, least);
   for (int m = 0; m < 4; m++) least = smaller(least, four_least[m]);
   return least;
+}
+
+/* ----------------------------------------------------------------------
+   POTENTIAL::energy is that for a squared distance, or for four of them
+------------------------------------------------------------------------- */
+
+template <class POTENTIAL>
+SKIN_INLINE double skin_add_pair_energies(const std::vector<SkinAtomPair> &all,
+                                          const POTENTIAL &potential, const double *x)
+{
+  const int n = (int) all.size();
+  SkinDouble4 four_sums = {};
+  double one_sum = 0.0;
+  int k = 0;
+  for (; k + 4 <= n; k += 4) {
+    const int *const a = all[k].data();
+    const SkinPoint<SkinDouble4> d = load<SkinDouble4>(x, a + 1, 2) - load<SkinDouble4>(x, a, 2);
+    four_sums += potential.template energy<SkinDouble4>(dot(d, d));
+  }
+  for (; k < n; k++) {
+    const int *const a = all[k].data();
+    const SkinPoint<double> d = load<double>(x, a + 1, 2) - load<double>(x, a, 2);
+    one_sum += potential.template energy<double>(dot(d, d));
+  }
+  return sum(four_sums) + one_sum;
 }
 
 }    // namespace LAMMPS_NS

@@ -20,9 +20,9 @@ PACKING_STREAM = 103
 # largest force component of a relaxed packing: that of overlaps is gone by then, and what is
 # left is the spheres' attraction, which would contract the packing away from the wall
 FORCE_TOLERANCE = 2e-2
-# volume fraction of the densest packing of hard spheres
 MOST_DRAWS = 1000  # of all spheres, for those that are free
-CLOSEST_PACKING = math.pi / math.sqrt(18)
+CLOSEST_PACKING = math.pi / math.sqrt(18)  # volume fraction of the densest one of hard spheres
+HELD_ARE_NO_PAIRS = "neigh_modify exclude type 2 2"  # particles of the membrane
 
 
 def dermal_count(scene: Scene, membrane: Floats | None = None) -> int:
@@ -158,7 +158,6 @@ def _set_up(engine: Any, scene: Scene, dermis: Floats, membrane: Floats) -> None
         group dermis type 1
         group membrane type 2
         fix hold membrane setforce 0 0 0
-        neigh_modify exclude type 2 2
     """)
 
 
@@ -184,6 +183,7 @@ def _pushing_apart(scene: Scene, is_flat: bool) -> str:
         walls += f" zhi {top:.17g} 1 1 {dermis.radius:.17g}"
         above = none
     return f"""
+        {HELD_ARE_NO_PAIRS}
         pair_style {style}
         pair_coeff 1 1 {stiffness} {reach}
         pair_coeff 1 2 {above}
@@ -210,7 +210,10 @@ def _relaxing(scene: Scene, folder: Path) -> str:
         return f"{folder}/{term.coefficients}" if term.table else str(term.coefficients)
 
     name, other = between.style.split()[0], above.style.split()[0]
+    # the pair styles of the plugin list no pairs but their own, and must not look for exclusions
+    exclusion = "" if scene.numerics.pair_form == "skin" else HELD_ARE_NO_PAIRS
     return f"""
+        {exclusion}
         pair_style hybrid {between.style} {above.style}
         pair_coeff 1 1 {name} {first} {coefficients(between)}
         pair_coeff 1 2 {other} {second} {coefficients(above)}
