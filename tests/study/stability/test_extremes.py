@@ -49,7 +49,7 @@ BEYOND = {  # what not every level can run: how each ends
         {"reference": STIFF_CELLS, "balanced": "", "fast": ""},
     ),
     "division springs x 4e6": (  # Euler would need steps of ten thousands of parts
-        {"cells.division_stiffness": 2e7},
+        {"cells.division_stiffness": 2e7, "end_time": 1.75},  # a step of thousands, with two pairs
         {"reference": STIFF_SPRINGS, "balanced": "", "fast": ""},
     ),
 }  # fmt: skip
@@ -123,6 +123,12 @@ def test_extreme_parameters(extreme: str, level: str) -> None:
 def test_parameters_beyond_a_level(extreme: str, level: str) -> None:
     changes, outcomes = BEYOND[extreme]
     assert ends(run(small(level, **changes)), outcomes[level])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", ["balanced", "fast"])
+def test_stiff_division_springs_to_the_end_of_divisions(level: str) -> None:
+    assert run(small(level, **{"cells.division_stiffness": 2e7})) == ""
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.99, 1.01, 10.0])
