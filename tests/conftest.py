@@ -1,10 +1,12 @@
 """What all tests need of the process that they run in, and the command as its user meets it."""
 
 import os
+import pickle
 import signal
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pytest
 
@@ -44,21 +46,24 @@ def skin(
 
 @pytest.fixture
 def in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Runs of ensembles and studies without workers, which take longer to start than a short run.
+    """Many runs without processes of their own, which take longer to start than short runs take.
 
-    For tests that are about something else; those of workers are in `tests/study`.
+    Jobs are copies, like those that other processes get.
     """
     from lammps_skin.study import runner
 
-    def run_all(
-        todo: Sequence[Any], _jobs: int = 1, keep: bool = False, progress: Any = None, *_: Any
-    ) -> dict[Any, str]:
+    def run_share(
+        todo: Sequence[runner.Job],
+        keep: bool = False,
+        progress: Callable[[runner.Job, float], None] | None = None,
+    ) -> dict[runner.Job, str]:
         failures = {}
-        for member in todo:
-            if error := runner._attempt(member, keep):
-                failures[member] = error
-            elif progress:
-                progress(member, member.scene.end_time)
+        for job in todo:
+            tell = partial(progress, job) if progress else None
+            error = runner._attempt(pickle.loads(pickle.dumps(job)), keep, tell)
+            if error:
+                failures[job] = error
         return failures
 
-    monkeypatch.setattr(runner, "run_all", run_all)
+    monkeypatch.setattr(runner, "find_spec", lambda name: None)  # no dask
+    monkeypatch.setattr(runner, "run_share", run_share)
