@@ -217,7 +217,7 @@ def test_versions_are_in_the_key(scene, tmp_path, monkeypatch):
     keys = {Member(scene, tmp_path).key}
     for name in versions():
         other = {**versions(), name: "x"}
-        monkeypatch.setattr("lammps_skin.study.ensemble.versions", lambda other=other: other)
+        monkeypatch.setattr("lammps_skin.study.runner.versions", lambda other=other: other)
         keys.add(Member(scene, tmp_path).key)
     assert len(keys) == 4
 
