@@ -132,3 +132,26 @@ def test_the_command(skin, study: Study, tmp_path: Path) -> None:
     assert answer.err == "error: studies/tiny: is a study, which has a page of its own\n"
     answer = skin("report", "nowhere.toml")
     assert answer.code == 2 and answer.err.startswith("error: study nowhere.toml: ")
+
+
+def test_a_sample_has_its_values_and_wide_bands_leave_the_chart(
+    browser: Browser, tmp_path: Path
+) -> None:
+    """The means of all seeds fill the chart, however far an interval reaches."""
+    end = "[sample]\nmethod = 'latin'\nn = 2\n[sample.ranges]\ncells.radius = [1.2, 1.4]\n"
+    asked = made(tmp_path, end=end)
+    for run in asked.runs:
+        run.run()
+    write_tables(asked)
+    browser.errors.clear()
+    browser.open(report_study(asked.folder, tmp_path / "study.html").as_uri())
+    rows = texts(browser, "details[open] .answer tr")[1:]
+    for row, point in zip(rows, asked.design.points, strict=True):
+        assert row.split("\t")[:2] == [point.label, f"{point.values['cells.radius']:.3g}"]
+    low, high = browser.value("""(() => {
+      const lines = [...document.querySelectorAll('figure[data-column=ta] path:not(.band)')];
+      const places = lines.flatMap((line) => line.getAttribute('d').match(/,[-0-9.]+/g));
+      return endsOf(places.map((place) => Number(place.slice(1))));
+    })()""")
+    assert 0 <= low < high <= 104 and high - low >= 104 / 2 - 8
+    assert browser.errors == []

@@ -3,11 +3,18 @@
 
 const CHART = { width: 260, height: 104, left: 4, right: 4, top: 6, bottom: 6 };
 const OPEN = ["Cells", "Basal layer", "Order parameters"]; // groups that are open at first
+const BEYOND = 0.5; // how far bands reach beyond all lines at most, of the extent of the lines
 const MOST_VALUES = 4; // curves whose values stand above a chart
 
 const LINES = SETTINGS.scales.curves;
 const colourOf = (n) => LINES[n % LINES.length];
 const strokeOf = (n) => `stroke="${colourOf(n)}"${n < LINES.length ? "" : ' stroke-dasharray="5 2"'}`;
+
+// least and greatest of what is known
+function endsOf(values) {
+  const known = values.filter((value) => value !== null);
+  return known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
+}
 
 class Charts {
   // curves: each has a name, times from and to, columns, a table, and perhaps low and high
@@ -45,9 +52,10 @@ class Charts {
   add(host, column) {
     const { width, height, top, bottom } = CHART;
     const all = this.values(column.name), lows = this.values(column.name, "low"), highs = this.values(column.name, "high");
-    const known = [all, lows, highs].flat(2).filter((value) => value !== null);
-    let [low, high] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
-    const [least, greatest] = [low, high];
+    let [low, high] = endsOf(all.flat());
+    const [least, greatest] = [low, high], [lowest, highest] = endsOf([...lows.flat(), ...highs.flat()]);
+    const room = BEYOND * (high - low); // wide bands leave the chart
+    [low, high] = [Math.max(Math.min(low, lowest), low - room), Math.min(Math.max(high, highest), high + room)];
     if (low > 0 && low < 0.5 * high) low = 0;
     if (low === high) [low, high] = [low - 1, high + 1];
     const y = (value) => top + (height - top - bottom) * (high - value) / (high - low);

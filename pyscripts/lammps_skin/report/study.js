@@ -26,9 +26,11 @@ class Answer {
       const ends = means[name].flatMap(([value, low, high]) => [value, low, high]).filter((end) => end !== null);
       return [name, [Math.min(...ends), Math.max(...ends)]];
     }));
-    const rows = points.map((point, n) => `<tr><td>${clean(point.name)}</td><td class="number">${point.done}</td>
+    const keys = Object.keys(points[0].drawn), word = (value) => (typeof value === "number" ? short(value) : value);
+    const rows = points.map((point, n) => `<tr><td>${clean(point.name)}</td>
+      ${keys.map((key) => `<td class="number">${clean(word(point.drawn[key]))}</td>`).join("")}<td class="number">${point.done}</td>
       ${shown.map(({ name }) => `<td data-column="${name}">${interval(means[name][n], scales.get(name))}</td>`).join("")}</tr>`);
-    const heads = ["point", "seeds", ...shown.map(({ title }) => title)];
+    const heads = ["point", ...keys, "seeds", ...shown.map(({ title }) => title)];
     return `<table class="answer"><tr>${heads.map((head) => `<th>${clean(head)}</th>`).join("")}</tr>${rows.join("")}</table>`;
   }
 }

@@ -72,6 +72,15 @@ class StudyTables:
         mine = (self._point == label) & (self._window == window)
         return mean_of(value_of_column(self.means, column)[mine], column)
 
+    def drawn(self, label: str) -> dict[str, Any]:
+        """Keys and values of a point of a sample; of others the label has them."""
+        if not label.rpartition(", ")[2].startswith("sample "):
+            return {}
+        names = list(self.means)
+        keys = names[names.index("condition") + 1 : names.index("seed")]
+        row = int(np.flatnonzero(self._point == label)[0])
+        return {key: self.means[key][row] for key in keys}
+
     def scenes(self) -> Iterator[Scene]:
         """The scene of each point of which a run is done."""
         for label in self.labels:
@@ -146,7 +155,7 @@ def _told(tables: StudyTables, kept: dict[str, Any], most: int) -> dict[str, Any
         "parameters": scenes[0].parameters,
         "points": [
             {"name": label, "done": sum(status == "done" for *_, status in tables.runs(label)),
-             "runs": len(tables.runs(label))}
+             "runs": len(tables.runs(label)), "drawn": tables.drawn(label)}
             for label in tables.labels
         ],
         "windows": tables.windows,
@@ -196,7 +205,7 @@ def _warnings(tables: StudyTables) -> Iterator[str]:
             more = f" and {len(lost) - 3} others" if len(lost) > 3 else ""
             yield f"{word.capitalize()}: {'; '.join(lost[:3])}{more}. Means are of the others."
     if max(len(tables.runs(label)) for label in tables.labels) < 2:
-        yield "There is one seed, so there are no intervals: nothing can be concluded from it."
+        yield "Each point has one seed, so there are no intervals."
 
 
 def _remarks(tables: StudyTables, kept: dict[str, Any], most: int) -> Iterator[str]:
