@@ -169,6 +169,26 @@ $(call asked,clone,ta exhausted mutantta mutantex $(MUTANT),mutantta mutantex ta
 $(call asked,wound,stem ta exhausted coverage,coverage coverage>0.95,700-840)
 $(call asked,adhesion,$(STEM) $(ND) coverage none_below skewness papillae,$(TIPS) nd_on_tips-nd_tips_expected zeta zeta_nd,400-600)
 
+NINE := chi_H chi_G zeta skewness papillae height_std none_below coverage $(TIPS)
+MADE += docs/data/studies/sensitivity/table.parquet docs/figures/studies/sensitivity.png
+docs/data/studies/sensitivity/table.parquet: $(INSTALLED)
+	$(SKIN) study run sensitivity -o $(RUNS)/studies/sensitivity
+	$(BIN)/python docs/pages.py means $(RUNS)/studies/sensitivity $(@D) $(subst -, ,$(NINE))
+docs/figures/studies/sensitivity.png: docs/data/studies/sensitivity/table.parquet
+	$(BIN)/python docs/pages.py effects sensitivity $(<D) $@ $(call LIST,$(NINE)) $(call LIST,$(NINE))
+	$(REDUCED) $@
+
+# the continuum equation beside four runs; its tables are printed, for the page
+PRESSED := 1 2 3 4
+$(foreach n,$(PRESSED),$(call directory,random-$(n),quarter-random --seed $(n) --until 600 --set output.dump_interval=5.0))
+CONTINUUM := docs/data/studies/continuum
+MADE += $(CONTINUUM)/waves.csv docs/figures/studies/continuum.png
+$(CONTINUUM)/waves.csv: $(PRESSED:%=$(RUNS)/random-%.done)
+	OMP_NUM_THREADS=1 $(BIN)/python docs/studies/continuum.py $(PRESSED:%=$(RUNS)/random-%) -o $(@D) --picture docs/figures/studies/continuum.png
+docs/figures/studies/continuum.png: $(CONTINUUM)/waves.csv
+	$(BIN)/python docs/studies/continuum.py -o $(<D) --picture $@
+	$(REDUCED) $@
+
 # ---- measurements of numerics: docs/accuracy.md, docs/stability.md
 
 TRADEOFF := docs/data/tradeoff-quarter-ring

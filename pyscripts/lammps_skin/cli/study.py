@@ -6,7 +6,6 @@ import shlex
 import sys
 from collections import Counter
 from collections.abc import Collection
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -219,9 +218,10 @@ def show(
 ) -> None:
     """Show means over seeds of each point, with 95 % intervals, or indices of sensitivity."""
     from lammps_skin.study.studies.answer import answers
+    from lammps_skin.study.studies.sensitivity import has_indices
 
     asked, means, wanted = _answered(file, output, columns, quick)
-    if asked.design.sample and asked.design.sample.method != "latin":
+    if has_indices(asked.design):
         _show_sensitivity(asked, means, wanted)
         return
     found = answers(asked.design, means, wanted)
@@ -248,7 +248,8 @@ def plot(
         str | None,
         typer.Option(
             metavar="KEY",
-            help="time, condition, or a key that is varied [default: such a key, else time].",
+            help="time, condition, or a key that is varied [default: such a key, else time; of a "
+            "sample of Morris or Sobol neither, but sensitivities].",
         ),
     ] = None,
     picture: Annotated[
@@ -259,14 +260,17 @@ def plot(
     output: Folder = None,
     quick: Quick = False,
 ) -> None:  # fmt: skip
-    """Draw means with 95 % intervals over time, or against what is varied."""
+    """Draw means with 95 % intervals over time, or against what is varied; or sensitivities."""
     from lammps_skin.figures.snapshot import save
-    from lammps_skin.study.studies import answer
+    from lammps_skin.study.studies import answer, sensitivity
     from lammps_skin.study.studies.tables import read_courses
 
     asked, means, wanted = _answered(file, output, columns, quick)
     axis = answer.against_of(asked.design, against)
-    if axis == answer.TIME:
+    if against is None and sensitivity.has_indices(asked.design):
+        found = sensitivity.sensitivities(asked.design, means, wanted)
+        figure = sensitivity.draw(asked.design, found)
+    elif axis == answer.TIME:
         figure = answer.draw_over_time(read_courses(asked.folder), wanted)
     else:
         window = asked.design.windows[-1]
@@ -304,32 +308,24 @@ def _answered(
 
 
 def _show_sensitivity(asked: Study, means: Any, wanted: list[str]) -> None:
-    """Indices of Morris or Sobol in the last window, where all points have a value."""
-    import numpy as np
-
-    from lammps_skin.study.studies.answer import answers
+    """Indices of Morris or Sobol in the last window."""
+    from lammps_skin.study.studies.sensitivity import sensitivities
 
     sample = asked.design.sample
     assert sample
-    window = asked.design.windows[-1]
-    number = sample.number
-    for n, column in product(range(0, len(asked.design.points), number), wanted):
-        found = [one.mean.value for one in answers(asked.design, means, [column])
-                 if one.window == window]  # fmt: skip
-        what = asked.design.points[n].label.rpartition("sample")[0] + f"{column}, t = {window}"
-        results = np.array(found[n : n + number])
-        if np.isnan(results).any():
-            console.print(f"sensitivity of {what}: not all points have a value")
+    console.print(f"t = {asked.design.windows[-1]}:")
+    for one in sensitivities(asked.design, means, wanted):
+        console.print()
+        if not len(one.values):
+            console.print(f"sensitivity of {one.what}: not all points have a value")
             continue
-        heads, rows = sample.sensitivity(results)
-        console.print(f"sensitivity of {what}:")
+        console.print(f"sensitivity of {one.what}:")
         print_table(
-            ["key", *heads],
+            ["key", *one.heads],
             [(key, *(f"{x:.3g}" for x in row))
-             for key, row in zip(sample.ranges, rows.tolist(), strict=True)],
+             for key, row in zip(sample.ranges, one.values.tolist(), strict=True)],
             right=True,
         )  # fmt: skip
-        console.print()
 
 
 def _shown(mean: Mean) -> str:

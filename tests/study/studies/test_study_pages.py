@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import re
+import runpy
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from lammps_skin.study.studies.design import Design
+from lammps_skin.study.studies.sensitivity import effects, sensitivities
+from lammps_skin.study.studies.tables import read_means
 
 from tests.conftest import Answer
 from tests.pages import BY_NAME, ROOT, blocks, commands, text
@@ -46,3 +50,30 @@ def test_pictures_are_shown() -> None:
 def test_the_list_of_studies_leads_to_their_pages() -> None:
     there = {page for page in BY_NAME if page.startswith("studies/")}
     assert there <= set(re.findall(r"\]\((studies/[\w-]+\.md)\)", text("studies.md")))
+
+
+def test_effects_of_the_page_on_sensitivity() -> None:
+    """Its table is what the study's means tell."""
+    design = Design.load(Path("sensitivity"))
+    found = read_means(ROOT / "docs" / "data" / "studies" / "sensitivity")
+    lines = text("studies/sensitivity.md").splitlines()
+    head = next(line for line in lines if line.startswith("| key | chi_H |"))
+    wanted = [cell.strip() for cell in head.strip("|").split("|")][1:]
+    told = effects(design, sensitivities(design, found, wanted))
+    assert len(told) == 2 + 14 and not [line for line in told if line not in lines]
+
+
+def test_the_page_on_the_continuum_has_what_its_script_tells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    script, data = ROOT / "docs/studies/continuum.py", ROOT / "docs/data/studies/continuum"
+    picture = tmp_path / "a.png"
+    monkeypatch.setattr("sys.argv", [str(script), "-o", str(data), "--picture", str(picture)])
+    runpy.run_path(str(script), run_name="__main__")
+    *tables, pull, drag = capsys.readouterr().out.splitlines()
+    page = text("studies/continuum.md")
+    rows = [line for line in tables if line]
+    assert len(rows) > 40 and not [row for row in rows if row not in page.splitlines()]
+    for number in (pull, drag):
+        assert number.partition(": ")[2] in page
+    assert picture.stat().st_size > 10_000

@@ -100,15 +100,15 @@ def _is_numeric(design: Design, key: str) -> bool:
 @plain
 def draw_over_time(courses: dict[str, Table], wanted: Sequence[str]) -> Figure:
     """A panel for each column, a line with a band for each point."""
-    figure, panels = _panels(wanted)
-    for axes, column in zip(panels, wanted, strict=True):
+    figure, axes_of = panels(len(wanted))
+    for axes, column in zip(axes_of, wanted, strict=True):
         for label, table in courses.items():
             times = np.unique(table["time"])
             values = value_of_column(table, column)
             means = [mean_of(values[table["time"] == time], column) for time in times]
             _line(axes, times, means, label)
         axes.set(xlabel="time", ylabel=column)
-    _legend(figure, panels)
+    _legend(figure, axes_of)
     return figure
 
 
@@ -133,8 +133,8 @@ def draw_against(
     numeric = against != "condition" and _is_numeric(design, against)
     found = {(one.point, one.column): one.mean for one in answers(design, means, wanted)
              if one.window == window}  # fmt: skip
-    figure, panels = _panels(wanted)
-    for axes, column in zip(panels, wanted, strict=True):
+    figure, axes_of = panels(len(wanted))
+    for axes, column in zip(axes_of, wanted, strict=True):
         for n, (label, points) in enumerate(groups.items()):
             if numeric:
                 points = sorted(points)
@@ -144,18 +144,19 @@ def draw_against(
                 axes.set_xticks(range(len(points)), [str(value) for value, _ in points])
             _bars(axes, places, [found[point, column] for _, point in points], label, numeric)
         axes.set(xlabel=against, ylabel=f"{column}, t = {window}")
-    _legend(figure, panels)
+    _legend(figure, axes_of)
     return figure
 
 
-def _panels(wanted: Sequence[str]) -> tuple[Figure, list[Axes]]:
-    across = min(len(wanted), 3)
-    rows = -(-len(wanted) // across)
-    figure = Figure(figsize=(4.6 * across, 3.4 * rows), layout="constrained")
-    panels: list[Axes] = list(figure.subplots(rows, across, squeeze=False).ravel())
-    for axes in panels[len(wanted) :]:
+def panels(number: int, size: tuple[float, float] = (4.6, 3.4)) -> tuple[Figure, list[Axes]]:
+    """A figure with panels of a size in inches, three in a row."""
+    across = min(number, 3)
+    rows = -(-number // across)
+    figure = Figure(figsize=(size[0] * across, size[1] * rows), layout="constrained")
+    found: list[Axes] = list(figure.subplots(rows, across, squeeze=False).ravel())
+    for axes in found[number:]:
         axes.remove()
-    return figure, panels[: len(wanted)]
+    return figure, found[:number]
 
 
 def _line(axes: Axes, places: Floats, means: Sequence[Mean], label: str) -> None:
