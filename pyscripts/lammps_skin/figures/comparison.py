@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -63,6 +64,7 @@ def draw_conditions(rows: Sequence[Row], across: int) -> Figure:
     names = list(dict.fromkeys(row.condition for row in rows))
     windows = list(dict.fromkeys(row.window for row in rows))
     figure, panels = _panels(len(columns), across, 1.2 + 0.25 * len(names))
+    drawn: dict[str, Any] = {}  # of each window, in the last panel that has it
     for n, (axes, column) in enumerate(zip(panels, columns, strict=True)):
         for number, window in enumerate(windows):
             chosen = [row for row in rows if (row.column, row.window) == (column, window)]
@@ -70,15 +72,15 @@ def draw_conditions(rows: Sequence[Row], across: int) -> Figure:
                 continue
             value, _, low, high = np.array([row.value[:4] for row in chosen]).T
             shift = 0.4 * (number - (len(windows) - 1) / 2) / len(windows)
-            drawn = axes.errorbar(
+            drawn[f"t = {window}"] = axes.errorbar(
                 value, [names.index(row.condition) + shift for row in chosen],
                 xerr=[value - low, high - value], fmt="o", markersize=4, capsize=3,
-                label=f"t = {window}",
+                color=f"C{number}",
             )  # fmt: skip
-            axes.axvline(value[0], color=drawn[0].get_color(), linestyle=":", linewidth=0.8)
+            axes.axvline(value[0], color=f"C{number}", linestyle=":", linewidth=0.8)
         axes.set(xlabel=column, ylim=(len(names) - 0.5, -0.5))
         axes.set_yticks(range(len(names)), ["" for _ in names] if n % across else names)
-    handles, labels = panels[0].get_legend_handles_labels()
+    handles, labels = list(drawn.values()), list(drawn)
     figure.legend(handles, labels, frameon=False, loc="outside upper right", ncols=len(labels))
     return figure
 

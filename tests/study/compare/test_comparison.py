@@ -164,5 +164,11 @@ def test_when_a_level_is_reached() -> None:
     other.table["zeta"] *= 2
     rows = compare([one, other], ["zeta>1.5"], [Window(20, 98)])
     assert [row.value.value for row in rows] == pytest.approx([55.0, 17.5])
+    assert not remarks([one, other], rows)[1:]
+    flat = replace(condition("flat", [1, 2]), table=condition("flat", [1, 2]).table.copy())
+    flat.table["zeta"] = np.where(flat.table["seed"] == 1, flat.table["time"] / 50, 0.0)
+    rows = compare([one, flat], ["zeta>1.5"], [Window(20, 98)])
+    assert [(row.value.value, row.value.n) for row in rows] == [(55.0, 1), (55.0, 1)]
+    assert "zeta>1.5: a run that never comes to the level" in " ".join(remarks([one, flat], rows))
     with pytest.raises(SkinError, match="'zeta>high': 'high' must be a number"):
         one.with_columns(["zeta>high"])

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import ttest_1samp, ttest_ind
 
-from lammps_skin.analysis.observables import is_fraction, least
+from lammps_skin.analysis.observables import REACHES, is_fraction, least
 from lammps_skin.analysis.statistics import Mean, difference, holm, mean, seeds_needed
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SkinError
@@ -177,6 +177,13 @@ def remarks(conditions: Sequence[Condition], rows: Sequence[Row]) -> list[str]:
         lines.append(
             f"one seed {of}: differences are shown without a test, since nothing tells how much "
             "of them is chance; run several seeds"
+        )
+    seeds = {one.name: one.seeds for one in conditions}
+    levels = [row for row in rows if REACHES in row.column and row.value.n < seeds[row.condition]]
+    if levels:
+        lines.append(
+            f"{', '.join(dict.fromkeys(row.column for row in levels))}: a run that never comes to "
+            "the level has no value, so that the mean over the others is too early"
         )
     tests = sum(not np.isnan(row.corrected) for row in rows)
     if tests > 1:
