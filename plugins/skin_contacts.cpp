@@ -12,6 +12,10 @@
 
 using namespace LAMMPS_NS;
 
+// particles between one and that whose special neighbors are fetched meanwhile
+
+static constexpr int AHEAD = 6;
+
 /* ---------------------------------------------------------------------- */
 
 void SkinContacts::set_kinds(const std::vector<int> &kind_of_types,
@@ -131,7 +135,8 @@ void SkinContacts::add_column(const SkinColumns &all, int c, double furthest)
   columns.around(lo, hi, furthest, near, one_way ? 0 : c);
 
   for (int n = begin; n < end; n++) {
-    const int i = all.index[n];
+    const int i = all.index[n], later = all.index[std::min(n + AHEAD, (int) all.index.size() - 1)];
+    if (atom->nspecial && later < atom->nlocal) __builtin_prefetch(atom->special[later]);
     if (one_way && i >= atom->nlocal) continue;
     const double point[3] = {all.x[0][n], all.x[1][n], all.x[2][n]};
     const auto [first, last] = near.within(point, furthest, one_way ? 0 : n - begin + 1);
