@@ -22,6 +22,7 @@ from lammps_skin import open_trajectory
 from lammps_skin.analysis.pressure import LateralPressure
 from lammps_skin.analysis.statistics import mean
 from lammps_skin.figures.snapshot import save
+from lammps_skin.files import atomic_write
 from lammps_skin.kinds import is_cell
 from lammps_skin.study.continuum.comparison import (
     Fields,
@@ -188,7 +189,7 @@ def bars(axes: Axes, means: np.ndarray, label: str) -> None:
 
 def write(path: Path, rows: list[dict[str, float]]) -> None:
     """A table of numbers of five digits."""
-    with path.open("w", newline="") as file:
+    with atomic_write(path) as part, part.open("w", newline="") as file:
         writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows({key: f"{x:.5g}" for key, x in row.items()} for row in rows)
