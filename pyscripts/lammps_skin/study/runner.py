@@ -157,17 +157,17 @@ def _run(
 
         client.subscribe_topic(TIMES, hear)
     waiting = list(reversed(names))
-    running: dict[str, str] = {}
+    running: dict[Any, str] = {}
     failures = {}
     completed = as_completed(loop=client.loop)
     while waiting or running:
         while waiting and len(running) < max(sum(_workers(client).values()), 1):
             name = waiting.pop()
             job = names[name].placed()
+            key = ("run", f"{job.label}-{name}")  # of each first part dask keeps statistics
             future = client.submit(
-                _work, job, keep, name, dict(_workers(client)), key=f"{job.label}-{name}",
-                pure=False,
-            )  # fmt: skip
+                _work, job, keep, name, dict(_workers(client)), key=key, pure=False
+            )
             running[future.key] = name
             completed.add(future)
             del future
