@@ -161,7 +161,7 @@ TIPS := stem_on_tips-stem_tips_expected
 STEM := stem_on_tips stem_tips_expected chi_H zeta
 TISSUE := ta exhausted coverage none_below membrane_area height_std skewness papillae papilla_height
 ND := nd_on_tips nd_tips_expected chi_H_nd zeta_nd
-MUTANT := mutant_on_tips mutant_tips_expected
+MUTANT := mutant_on_tips mutant_tips_expected zeta_mutant
 
 $(call asked,outward,$(STEM) $(TISSUE),skewness height_std papillae $(TIPS) zeta none_below,400-600)
 $(call asked,photoaging,stem $(STEM) $(TISSUE),height_std papillae papilla_height membrane_area ta skewness,600-750 750-900)
