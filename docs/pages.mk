@@ -182,8 +182,9 @@ docs/figures/studies/sensitivity.png: docs/data/studies/sensitivity/table.parque
 PRESSED := 1 2 3 4
 $(foreach n,$(PRESSED),$(call directory,random-$(n),quarter-random --seed $(n) --until 600 --set output.dump_interval=5.0))
 CONTINUUM := docs/data/studies/continuum
-MADE += $(CONTINUUM)/waves.csv docs/figures/studies/continuum.png
-$(CONTINUUM)/waves.csv: $(PRESSED:%=$(RUNS)/random-%.done)
+OF_WAVES := $(patsubst %,$(CONTINUUM)/%.csv,numbers response solution terms waves)
+MADE += $(OF_WAVES) docs/figures/studies/continuum.png
+$(OF_WAVES) &: $(PRESSED:%=$(RUNS)/random-%.done)
 	OMP_NUM_THREADS=1 $(BIN)/python docs/studies/continuum.py $(PRESSED:%=$(RUNS)/random-%) -o $(@D) --picture docs/figures/studies/continuum.png
 docs/figures/studies/continuum.png: $(CONTINUUM)/waves.csv
 	$(BIN)/python docs/studies/continuum.py -o $(<D) --picture $@
