@@ -67,7 +67,7 @@ class Browser:
             self.call(f"{domain}.enable")
         self.call(
             "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
-            deviceScaleFactor=1, mobile=False,
+            deviceScaleFactor=0.5, mobile=False,  # a quarter of the pixels, which a processor draws
         )  # fmt: skip
 
     def close(self) -> None:
