@@ -18,6 +18,14 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
 os.environ.setdefault("MPIR_CVAR_CH4_PROGRESS_THROTTLE", "1")
 
 
+LONGEST = ("tests/test_readme.py", "tests/test_tutorial.py", "tests/study/studies/test_killed.py")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The longest tests begin first: at the end, one process would wait for another's."""
+    items.sort(key=lambda item: not item.nodeid.startswith(LONGEST))
+
+
 class Answer(NamedTuple):
     """What a command has left."""
 
