@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 TEXT = {"pdf.fonttype": 42, "svg.fonttype": "none"}  # letters stay letters in PDF and SVG
 SHEETS: dict[str, dict[str, Any]] = {
@@ -79,6 +80,21 @@ def dots(pixels: int, wanted: int) -> int:
     """
     fewest = ceil(pixels / PRINTED_WIDTH) if in_print() else 1
     return max(min(wanted, int(pixels / NARROW)), fewest)
+
+
+def panels(
+    number: int, across: int = 3, width: float = 4.6, height: float = 3.4
+) -> tuple[Figure, list[Axes]]:
+    """A figure with so many panels of a size in inches, some in a row."""
+    from matplotlib.figure import Figure
+
+    across = min(number, across)
+    down = -(-number // across)
+    figure = Figure(figsize=size(width * across, height * down), layout="constrained")
+    found: list[Axes] = list(figure.subplots(down, across, squeeze=False).ravel())
+    for axes in found[number:]:
+        axes.remove()
+    return figure, found[:number]
 
 
 def name_panels(panels: Sequence[Axes]) -> None:

@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lammps_skin.study.compare.comparison import Row
-from lammps_skin.style import plain
+from lammps_skin.style import panels, plain
 
 
 @plain
@@ -29,8 +28,8 @@ def draw_against(rows: Sequence[Row], key: str, places: Mapping[str, float], acr
         Panels side by side.
     """
     columns = list(dict.fromkeys(row.column for row in rows))
-    figure, panels = _panels(len(columns), across, 3.4)
-    for axes, column in zip(panels, columns, strict=True):
+    figure, axes_of = panels(len(columns), across)
+    for axes, column in zip(axes_of, columns, strict=True):
         for window in dict.fromkeys(row.window for row in rows):
             chosen = sorted(
                 (row for row in rows if (row.column, row.window) == (column, window)),
@@ -43,7 +42,7 @@ def draw_against(rows: Sequence[Row], key: str, places: Mapping[str, float], acr
                 marker="o", markersize=4, capsize=3, label=f"t = {window}",
             )  # fmt: skip
         axes.set(xlabel=key, ylabel=column)
-    panels[0].legend(frameon=False)
+    axes_of[0].legend(frameon=False)
     return figure
 
 
@@ -63,9 +62,9 @@ def draw_conditions(rows: Sequence[Row], across: int) -> Figure:
     columns = list(dict.fromkeys(row.column for row in rows))
     names = list(dict.fromkeys(row.condition for row in rows))
     windows = list(dict.fromkeys(row.window for row in rows))
-    figure, panels = _panels(len(columns), across, 1.2 + 0.25 * len(names))
+    figure, axes_of = panels(len(columns), across, height=1.2 + 0.25 * len(names))
     drawn: dict[str, Any] = {}  # of each window, in the last panel that has it
-    for n, (axes, column) in enumerate(zip(panels, columns, strict=True)):
+    for n, (axes, column) in enumerate(zip(axes_of, columns, strict=True)):
         for number, window in enumerate(windows):
             chosen = [row for row in rows if (row.column, row.window) == (column, window)]
             if not chosen:
@@ -83,13 +82,3 @@ def draw_conditions(rows: Sequence[Row], across: int) -> Figure:
     handles, labels = list(drawn.values()), list(drawn)
     figure.legend(handles, labels, frameon=False, loc="outside upper right", ncols=len(labels))
     return figure
-
-
-def _panels(number: int, across: int, height: float) -> tuple[Figure, list[Axes]]:
-    """So many panels, of this height in inches."""
-    down = -(-number // across)
-    figure = Figure(figsize=(4.6 * across, height * down), layout="constrained")
-    panels: list[Axes] = list(figure.subplots(down, across, squeeze=False).ravel())
-    for axes in panels[number:]:
-        axes.set_axis_off()
-    return figure, panels[:number]

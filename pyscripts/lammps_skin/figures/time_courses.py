@@ -13,7 +13,7 @@ from lammps_skin.analysis.observables import Table
 from lammps_skin.errors import FigureError
 from lammps_skin.kinds import Kind
 from lammps_skin.study.ensemble import over_time
-from lammps_skin.style import in_print, name_panels, plain, size
+from lammps_skin.style import in_print, name_panels, panels, plain, size
 
 ORDERS = {"chi_H": "$\\chi_H$", "chi_G": "$\\chi_G$", "zeta": "$\\zeta$", "sigma": "$\\sigma$"}
 TISSUE = {
@@ -61,20 +61,16 @@ def draw_courses(
     cycle : float, optional
         Mean time of a cell cycle: the unit of time in print.
     """
-    rows = -(-len(columns) // across)
-    figure = Figure(figsize=size(4.6 * across, 3.4 * rows), layout="constrained")
-    panels: list[Axes] = list(figure.subplots(rows, across, squeeze=False).ravel())
-    for axes, (column, name) in zip(panels, columns.items(), strict=False):
+    figure, axes_of = panels(len(columns), across)
+    for axes, (column, name) in zip(axes_of, columns.items(), strict=True):
         for n, (label, table) in enumerate(tables.items()):
             draw_course(
                 axes, table, column, _unit(cycle), label=f"{label} ({_seeds(table)})",
                 color=COLOURS[n % len(COLOURS)], linestyle=LINES[n % len(LINES)],
             )  # fmt: skip
         _finish(axes, name, cycle)
-    name_panels(panels[: len(columns)])
-    for axes in panels[len(columns) :]:
-        axes.set_axis_off()
-    panels[0].legend(frameon=False)
+    name_panels(axes_of)
+    axes_of[0].legend(frameon=False)
     return figure
 
 
@@ -85,8 +81,8 @@ def draw_stem_and_nd(
     """Figure with a row for each table and a panel for each column, for stem and ND cells."""
     figure = Figure(figsize=size(4.2 * len(columns), 2.9 * len(tables)), layout="constrained")
     unit = _unit(cycle)
-    panels = figure.subplots(len(tables), len(columns), squeeze=False, sharex=True, sharey="col")
-    for row, (label, table) in zip(panels, tables.items(), strict=True):
+    grid = figure.subplots(len(tables), len(columns), squeeze=False, sharex=True, sharey="col")
+    for row, (label, table) in zip(grid, tables.items(), strict=True):
         for axes, column in zip(row, columns, strict=True):
             draw_course(axes, table, column, unit, label="stem", color=DARK_STEM)
             draw_course(
@@ -94,8 +90,8 @@ def draw_stem_and_nd(
             )
             _finish(axes, ORDERS[column], cycle)
         row[0].set_title(f"{label} ({_seeds(table)})")
-    name_panels(panels.ravel().tolist())
-    panels[0][0].legend(frameon=False)
+    name_panels(grid.ravel().tolist())
+    grid[0][0].legend(frameon=False)
     return figure
 
 

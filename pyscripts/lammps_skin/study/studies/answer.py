@@ -16,7 +16,7 @@ from lammps_skin.errors import SceneError
 from lammps_skin.model.scene_keys import near
 from lammps_skin.study.ranges import Window
 from lammps_skin.study.studies.design import Design
-from lammps_skin.style import plain
+from lammps_skin.style import panels, plain
 
 MINUS = "-"  # between two columns: their difference
 SHOWN = (
@@ -146,17 +146,6 @@ def draw_against(
         axes.set(xlabel=against, ylabel=f"{column}, t = {window}")
     _legend(figure, axes_of)
     return figure
-
-
-def panels(number: int, size: tuple[float, float] = (4.6, 3.4)) -> tuple[Figure, list[Axes]]:
-    """A figure with panels of a size in inches, three in a row."""
-    across = min(number, 3)
-    rows = -(-number // across)
-    figure = Figure(figsize=(size[0] * across, size[1] * rows), layout="constrained")
-    found: list[Axes] = list(figure.subplots(rows, across, squeeze=False).ravel())
-    for axes in found[number:]:
-        axes.remove()
-    return figure, found[:number]
 
 
 def _line(axes: Axes, places: Floats, means: Sequence[Mean], label: str) -> None:

@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from lammps_skin.arrays import Floats
-from lammps_skin.study.studies.answer import answers, panels
+from lammps_skin.study.studies.answer import answers
 from lammps_skin.study.studies.design import Design
-from lammps_skin.style import plain
+from lammps_skin.style import panels, plain
 
 CHANCE = "cells.seed"  # a key whose effect is that of chance alone
 DRAWN = {"morris": "mu_star", "sobol": "total"}
@@ -86,7 +86,7 @@ def draw(design: Design, found: Sequence[Sensitivity]) -> Figure:
     sample = design.sample
     assert sample
     keys = [*sample.ranges]
-    figure, axes_of = panels(len(found), (4.6, 0.22 * len(keys) + 1.0))
+    figure, axes_of = panels(len(found), height=0.22 * len(keys) + 1.0)
     for n, (axes, one) in enumerate(zip(axes_of, found, strict=True)):
         head = DRAWN[sample.method]
         axes.set(title=one.what, xlabel=head)
