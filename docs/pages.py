@@ -27,7 +27,7 @@ COLOURS = 256
 def reduce(path: str) -> None:
     """Write a picture again with few colours, as a smaller file."""
     with Image.open(path) as picture:
-        reduced = picture.convert("RGB").quantize(COLOURS)
+        reduced = picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=3)
     reduced.save(path, optimize=True)
 
 
