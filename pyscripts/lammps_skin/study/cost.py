@@ -29,7 +29,7 @@ LOGGED = 80.0  # bytes of an event in the log
 
 # what a calibration times, whatever the levels are, and seconds of a step of it where the shipped
 # rates were measured
-TIMED, TIMED_STEP = "quarter-ring", 1.6e-2
+TIMED, TIMED_STEP = "quarter-ring", 1.2e-2
 TIMED_KEYS = {
     "parameters": "earlier-stiff", "numerics.accuracy": "balanced", "numerics.integrator": "rkl2",
     "numerics.stages": 13, "numerics.timestep": 1.0, "numerics.neighbor_skin": 0.5,

@@ -35,14 +35,14 @@ class Rates:
         particle that is packed.
     """
 
-    evaluation: float = 9.9e-6
+    evaluation: float = 6.8e-6
     membrane: float = 3.1e-8
     dermal: float = 1.2e-7
-    cell: float = 6.9e-7
-    rebuild: float = 6.7e-7
-    frame: float = 1.05e-2
+    cell: float = 9.0e-7
+    rebuild: float = 5.1e-7
+    frame: float = 1.18e-2
     start: float = 1.7
-    packed: float = 4.5e-4
+    packed: float = 3.6e-4
 
     def times(self, running: float, starting: float) -> Rates:
         """Those of a machine on which a run, and its start, take so many times longer."""
