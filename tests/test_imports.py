@@ -35,6 +35,17 @@ def test_the_help_of_skin_imports_nothing_heavy():
     assert "lammps_skin.cli.run" not in modules
 
 
+@pytest.mark.parametrize(
+    ("module", "needless"),
+    [
+        ("engine.worker", {"scipy", "pydantic", "h5py", "MDAnalysis"}),  # on every rank
+        ("study.ensemble", {"scipy.stats", "scipy.optimize", "matplotlib"}),  # in every worker
+    ],
+)
+def test_what_starts_many_times_imports_no_more_than_it_needs(module, needless):
+    assert not needless & modules_after(f"import lammps_skin.{module}")
+
+
 @pytest.mark.parametrize("name", lammps_skin.__all__)
 def test_public_names_are_there_at_first_use(name):
     assert getattr(lammps_skin, name).__name__ == name

@@ -17,7 +17,9 @@ MADE = [
     "two/skin.dump", "two/skin.h5", "runs/seed-3/skin.h5",
 ]  # fmt: skip
 
-SHORTER = {"--until 200": "--until 60", "end_time=20": "end_time=5", "end_time 20": "end_time 5"}
+SHORTER = {
+    "--until 200": "--until 60", "end_time=20": "end_time=5 --jobs 1", "end_time 20": "end_time 5",
+}  # fmt: skip
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ SHORTER = {  # in the quick test, where the same commands have less to do
     "--until 400": "--until 10",
     "--time 200": "--time 0",
     "end_time=400": "end_time=10",
-    "--seeds 1-4": "--seeds 1",
+    "--seeds 1-4": "--seeds 1 --jobs 1",
     "350, 400": "0, 10",
 }
 

@@ -11,15 +11,17 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from lammps_skin.arrays import Floats
 from lammps_skin.model import potentials
-from lammps_skin.model.cell_kinds import CellKind
-from lammps_skin.model.scene import Scene
 from lammps_skin.model.tables import Table, bond_grid, pair_grid
+
+if TYPE_CHECKING:  # ranks import this, and need no scene
+    from lammps_skin.model.cell_kinds import CellKind
+    from lammps_skin.model.scene import Scene
 
 TERMS = (
     "dermis_dermis",
