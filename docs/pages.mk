@@ -149,7 +149,7 @@ define study
 MADE += docs/data/studies/$(1)/courses.parquet docs/figures/studies/$(1).png
 docs/data/studies/$(1)/courses.parquet: $(INSTALLED)
 	$(SKIN) study run $(1) -o $(RUNS)/studies/$(1)
-	$(BIN)/python docs/pages.py courses $(RUNS)/studies/$(1) $$(@D) $(2)
+	$(BIN)/python docs/pages.py columns $(RUNS)/studies/$(1)/$$(@F) $$(@D) $(2)
 docs/figures/studies/$(1).png: docs/data/studies/$(1)/courses.parquet
 	mkdir -p $$(@D)
 	$(SKIN) compare $$(<D) --columns '$(call LIST,$(3))' --windows $(call LIST,$(4)) --plot $$@ --against condition
@@ -174,9 +174,9 @@ NINE := chi_H chi_G zeta skewness papillae height_std none_below coverage $(TIPS
 MADE += docs/data/studies/sensitivity/table.parquet docs/figures/studies/sensitivity.png
 docs/data/studies/sensitivity/table.parquet: $(INSTALLED)
 	$(SKIN) study run sensitivity -o $(RUNS)/studies/sensitivity
-	$(BIN)/python docs/pages.py means $(RUNS)/studies/sensitivity $(@D) $(subst -, ,$(NINE))
+	$(BIN)/python docs/pages.py columns $(RUNS)/studies/sensitivity/$(@F) $(@D) $(subst -, ,$(NINE))
 docs/figures/studies/sensitivity.png: docs/data/studies/sensitivity/table.parquet
-	$(BIN)/python docs/pages.py effects sensitivity $(<D) $@ $(call LIST,$(NINE)) $(call LIST,$(NINE))
+	$(BIN)/python docs/pages.py effects sensitivity $(<D) $@ $(call LIST,$(NINE))
 	$(REDUCED) $@
 
 # the continuum equation beside four runs; its tables are printed, for the page

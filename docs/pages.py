@@ -4,9 +4,8 @@ python docs/pages.py reduce docs/figures/cells-t600.png
 python docs/pages.py moments runs/wound docs/figures/wound.png 290 300 350
 python docs/pages.py screenshot runs/report.html docs/figures/report.png
 python docs/pages.py papilla docs/start.md runs
-python docs/pages.py courses runs/studies/wound docs/data/studies/wound coverage ta
-python docs/pages.py means runs/studies/sensitivity docs/data/studies/sensitivity zeta skewness
-python docs/pages.py effects sensitivity docs/data/studies/sensitivity a.png zeta,skewness zeta
+python docs/pages.py columns runs/studies/wound/courses.parquet docs/data/studies/wound coverage
+python docs/pages.py effects sensitivity docs/data/studies/sensitivity a.png zeta,skewness
 python docs/pages.py join docs/data/stability-others.csv runs/one/demo.csv runs/one/one-stem.csv
 """
 
@@ -68,42 +67,30 @@ def papilla(page: str, folder: str) -> None:
     Path("papilla.toml").write_text(scene, "utf-8")
 
 
-def courses(study: str, folder: str, *names: str) -> None:
-    """Write the time courses of a study again as a smaller file: some columns, 4 digits."""
-    from lammps_skin.study.studies.tables import COURSES
+def columns(path: str, folder: str, *names: str) -> None:
+    """Write a table of a study again as a smaller file: some columns of numbers, 4 digits."""
     from pyarrow import parquet
 
-    table = parquet.read_table(Path(study) / COURSES).to_pandas()
-    kept = table[["point", "seed", "time", *names]].copy()
+    table = parquet.read_table(path).to_pandas()
+    of_row = [name for name in ("point", "seed", "window", "time") if name in table]
+    kept = table[[*of_row, *names]].copy()
     for name in names:
         kept[name] = [float(f"{value:.4g}") for value in kept[name]]
     Path(folder).mkdir(parents=True, exist_ok=True)
-    kept.to_parquet(Path(folder) / COURSES, compression="zstd", index=False)
+    kept.to_parquet(Path(folder) / Path(path).name, compression="zstd", index=False)
 
 
-def means(study: str, folder: str, *names: str) -> None:
-    """Write the means over windows of a study again as a smaller file: some columns, 4 digits."""
-    from lammps_skin.study.studies.tables import MEANS
-    from pyarrow import parquet
-
-    table = parquet.read_table(Path(study) / MEANS).to_pandas()
-    kept = table[["point", "seed", "window", *names]].copy()
-    for name in names:
-        kept[name] = [float(f"{value:.4g}") for value in kept[name]]
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    kept.to_parquet(Path(folder) / MEANS, compression="zstd", index=False)
-
-
-def effects(study: str, folder: str, path: str, drawn: str, told: str) -> None:
-    """Draw the sensitivity of columns of a study of Morris, print a table of those of others."""
+def effects(study: str, folder: str, path: str, names: str) -> None:
+    """Draw the sensitivity of columns of a study of Morris, and print it as a table."""
     from lammps_skin.figures.snapshot import save
     from lammps_skin.study.studies.design import Design
     from lammps_skin.study.studies.sensitivity import draw, effects, sensitivities
     from lammps_skin.study.studies.tables import read_means
 
-    design, found = Design.load(Path(study)), read_means(Path(folder))
-    save(draw(design, sensitivities(design, found, drawn.split(","))), path)
-    print("\n".join(effects(design, sensitivities(design, found, told.split(",")))))
+    design = Design.load(Path(study))
+    found = sensitivities(design, read_means(Path(folder)), names.split(","))
+    save(draw(design, found), path)
+    print("\n".join(effects(design, found)))
 
 
 def join(path: str, *tables: str) -> None:
@@ -116,6 +103,6 @@ def join(path: str, *tables: str) -> None:
 
 
 if __name__ == "__main__":
-    known = (reduce, moments, screenshot, papilla, courses, means, effects, join)
+    known = (reduce, moments, screenshot, papilla, columns, effects, join)
     made = {one.__name__: one for one in known}
     made[sys.argv[1]](*sys.argv[2:])
