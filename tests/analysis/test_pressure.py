@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from lammps_skin import Scene
-from lammps_skin.analysis.pressure import natural_lengths, spread, virials
+from lammps_skin import Scene, open_trajectory
+from lammps_skin.analysis.pressure import LateralPressure, natural_lengths, spread, virials
 from lammps_skin.model.terms import Terms
+
+from tests.analysis.conftest import FRAMES, Run
 
 BOX = (12.0, 11.0)
 
@@ -16,16 +18,18 @@ def scene() -> Scene:
     return Scene.load("one-stem").replace(**{"cells.cell_adhesion_stiffness": 0.5})
 
 
-def energy(scene: Scene, cells: np.ndarray, box: np.ndarray, lengths: np.ndarray) -> float:
-    """Between all cells of which the first two are a pair, each image on its own."""
+def energy(
+    scene: Scene, cells: np.ndarray, box: np.ndarray, other: np.ndarray, lengths: np.ndarray
+) -> float:
+    """Between all cells, those of pairs by their springs alone."""
     terms, total = Terms.of(scene), 0.0
     for i in range(len(cells)):
         for j in range(i):
             away = cells[i] - cells[j]
             away[:2] -= np.round(away[:2] / box) * box
             distance = np.linalg.norm(away)
-            if (j, i) == (0, 1):
-                total += terms.division.stiffness / 2 * (distance - lengths[0]) ** 2
+            if other[i] == j:
+                total += terms.division.stiffness / 2 * (distance - lengths[i]) ** 2
                 continue
             for pair in terms.pair_potentials.values():
                 x = distance / pair.contact
@@ -45,12 +49,34 @@ def test_virials_are_the_derivative_of_the_energy(scene: Scene) -> None:
     lengths = np.full(len(cells), 1.3)
     found = virials(scene, cells, other, lengths, BOX)
     box, step = np.array(BOX), 1e-6
-    larger, smaller = (energy(scene, cells * s, box * s, lengths) for s in (1 + step, 1 - step))
+    larger, smaller = (
+        energy(scene, cells * s, box * s, other, lengths) for s in (1 + step, 1 - step)
+    )
     assert found.sum() == pytest.approx(-(larger - smaller) / (2 * step), rel=1e-6)
     assert abs(found.sum()) > 0.1
     # each pair belongs to its two cells in equal parts
     pair = virials(scene, cells[:2], other[:2], lengths[:2], BOX)
     assert pair[0] == pytest.approx(pair[1])
+
+
+def test_pressure_of_a_run(run: Run) -> None:
+    """Of its last frame it is the derivative of the energy of the cells to twice the area."""
+    found = LateralPressure(open_trajectory(run.directory)).run(start=FRAMES - 1).results
+    cells, box = run.cells[-1], np.array(run.scene.box_sides[:2])
+    other = np.where(cells.pair > 0, np.searchsorted(cells.ids, cells.pair), -1)
+    assert (other >= 0).any() and (other < 0).any()
+    cell = run.scene.cells
+    ages = found.time[0] - cells.pair_start
+    lengths = 2 * cell.division_separation * cell.radius + cell.division_rate * ages
+    lengths = np.minimum(lengths, 2 * cell.radius)
+    larger, smaller = (
+        energy(run.scene, cells.positions * s, box * s, other, lengths)
+        for s in (1 + 1e-6, 1 - 1e-6)
+    )
+    expected = -(larger - smaller) / 2e-6 / (2 * box.prod())
+    assert found.mean[0] == pytest.approx(expected, rel=1e-3) and expected > 0
+    assert found.pressure[0].mean() == pytest.approx(found.mean[0])
+    assert found.height.shape == found.pressure.shape
 
 
 def test_a_cell_alone_pushes_nothing(scene: Scene) -> None:
