@@ -60,6 +60,12 @@ THERE: dict[str, dict[str, Path | Callable[[Path], None] | None]] = {
 }
 
 
+def test_what_is_shortened_stands_on_pages() -> None:
+    all_of_them = [one for page in NAMES for one in blocks(page)]
+    python = "".join(block for language, block in all_of_them if language == "python")
+    assert [long for long in SHORTER if long not in python] == []
+
+
 @pytest.mark.parametrize("page", NAMES)
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_every_block_runs(

@@ -51,11 +51,12 @@ def study(run: str) -> dict[str, list[dict[str, float]]]:
     """Rows of each table, of one run."""
     universe = open_trajectory(run)
     scene, seed = universe.trajectory.scene, float(universe.trajectory.seed)
-    found = LateralPressure(universe).run(start=int(QUIET.start / 5)).results
+    interval = universe.trajectory.dt
+    found = LateralPressure(universe).run(start=round(QUIET.start / interval)).results
     sides = scene.box_sides[:2]
     area = sides[0] * sides[1]
     fields = Fields(found.time, found.height, found.pressure, sides)
-    universe.trajectory[int(ONSET.start / 5)]
+    universe.trajectory[round(ONSET.start / interval)]
     cells = int(is_cell(universe.trajectory.ts.data["species"]).sum())
 
     answer = measure(scene, MODES, PUSH)

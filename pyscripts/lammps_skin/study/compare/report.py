@@ -18,6 +18,7 @@ from lammps_skin.study.ranges import Window
 from lammps_skin.study.tradeoff.report import Text, csv_text, markdown_table, number
 
 LEAST_CHANCE = 0.001  # that is written out
+MOST_SEEDS = 1000  # the same
 
 HEAD = """\
 # Conditions side by side
@@ -70,7 +71,7 @@ def table(rows: Iterable[Row]) -> Text:
             "" if again else row.column, "" if again else str(row.window), row.condition,
             str(row.value.n), _interval(row.value), _interval(apart.value) if apart else "",
             _chance(apart.chance) if apart else "", _chance(row.corrected) if apart else "",
-            f"{number(apart.needed, 6)}, {number(apart.needed_usual, 6)}" if apart else "",
+            f"{_seeds(apart.needed)}, {_seeds(apart.needed_usual)}" if apart else "",
         ])  # fmt: skip
     return heads, cells
 
@@ -82,6 +83,10 @@ def _interval(value: Mean) -> str:
 
 def _chance(value: float) -> str:
     return f"< {LEAST_CHANCE:g}" if value < LEAST_CHANCE else number(value, 2)
+
+
+def _seeds(needed: float) -> str:
+    return f"> {MOST_SEEDS}" if needed > MOST_SEEDS else number(needed, 6)
 
 
 # ---- files
