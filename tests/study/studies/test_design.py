@@ -145,6 +145,15 @@ def test_sensitivity_of_a_linear_function(study: Callable[..., Study]) -> None:
         ("", "[sample]\nmethod = 'latin'\nn = 6", "sample.ranges = None: must be a table"),
         ("", "[sample]\nmethod = 'latin'\nn = 6\n[sample.ranges]\nend_time = [2, 1]",
          r"sample.ranges.end_time = \[2, 1\]: must be two numbers"),
+        ("", "[sample]\nmethod = 'latin'\nn = 6\n[sample.ranges]\ncells.stem = [1.2, 1.4]",
+         r"sample.ranges.cells.stem = \[1.2, 1.4\]: .*; all in it are rounded to 1"),
+        ("", "[sample]\nmethod = 'latin'\nn = 6\n[sample.ranges]\nend_time = [2, 2.00000001]",
+         r"end_time = .*: must hold more than one value; all in it are rounded to 2.0"),
+        ("", f"[sample]\nmethod = 'latin'\nn = 6\n[sample.ranges]\nend_time = [1, {10**400}]",
+         r"sample.ranges.end_time = .*: must be two numbers"),
+        ("", "[sample]\nmethod = 'latin'\nn = 6\n[sample.ranges]\nend_time = [-1e308, 1e308]",
+         r"sample.ranges.end_time = .*: must be two numbers"),
+        ("", "[quick]\nseed = 1", "quick.seed = 1: unknown key; .*; did you mean seeds"),
     ],
 )  # fmt: skip
 def test_bad_studies(study: Callable[..., Study], begin: str, end: str, words: str) -> None:

@@ -103,6 +103,7 @@ class Design:
             raise SceneError(f"study {path}: not TOML: {error}") from None
         try:
             faster = _table(given.pop("quick", {}), "quick")
+            _check_keys(faster, "quick.")
             if quick and not faster:
                 raise SceneError("--quick: the study has no table `quick`")
             given = merged(given, faster) if quick else given
@@ -130,11 +131,7 @@ def source_of(path: Path) -> Path:
 
 
 def _design(name: str, text: str, given: Mapping[str, Any], folder: Path) -> Design:
-    for key, value in given.items():
-        if key not in KEYS:
-            raise SceneError(
-                f"{key} = {shown(value)}: unknown key; allowed: {', '.join(KEYS)}{near(key, KEYS)}"
-            )
+    _check_keys(given)
     for key, example in TEXTS.items():
         value = given.get(key, example)
         one_seed = key == "seeds" and type(value) is int
@@ -176,6 +173,15 @@ def _design(name: str, text: str, given: Mapping[str, Any], folder: Path) -> Des
         name, text, scene, points, tuple(varied),
         tuple(seeds_of(given.get("seeds", "1-8"), "seeds = ")), tuple(windows), sample, fork,
     )  # fmt: skip
+
+
+def _check_keys(given: Mapping[str, Any], prefix: str = "") -> None:
+    for key, value in given.items():
+        if key not in KEYS:
+            raise SceneError(
+                f"{prefix}{key} = {shown(value)}: unknown key; allowed: {', '.join(KEYS)}"
+                f"{near(key, KEYS)}"
+            )
 
 
 def _scene(given: Mapping[str, Any], folder: Path) -> Scene:

@@ -68,15 +68,21 @@ class Sample:
         return cls(method, n, seed, ranges)
 
     def points(self, scene: Scene) -> list[dict[str, Any]]:
-        """Keys and values of each point; whole numbers where the scene has them."""
+        """Keys and values of each point; whole numbers where the scene has them.
+
+        Raises `SceneError` if a range has one value only, once rounded.
+        """
         low, high = np.array(list(self.ranges.values())).T
         values = self._unit() * (high - low) + low
-        whole = [_is_whole(scene, key) for key in self.ranges]
+        rounded = [round if _is_whole(scene, key) else _seven_digits for key in self.ranges]
+        for (key, ends), of in zip(self.ranges.items(), rounded, strict=True):
+            if of(ends[0]) == of(ends[1]):
+                raise SceneError(
+                    f"sample.ranges.{key} = {shown(list(ends))}: must hold more than one value; "
+                    f"all in it are rounded to {of(ends[0])}"
+                )
         return [
-            {
-                key: round(value) if is_whole else float(f"{value:.7g}")
-                for key, value, is_whole in zip(self.ranges, row, whole, strict=True)
-            }
+            {key: of(value) for key, value, of in zip(self.ranges, row, rounded, strict=True)}
             for row in values.tolist()
         ]
 
@@ -164,7 +170,12 @@ def _ranges(given: Any, prefix: str) -> list[tuple[str, tuple[float, float]]]:
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and np.isfinite(value)
+    """Whether it is one, so far from the largest float that ranges have a width."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300
+
+
+def _seven_digits(value: float) -> float:
+    return float(f"{value:.7g}")
 
 
 def _is_whole(scene: Scene, key: str) -> bool:
