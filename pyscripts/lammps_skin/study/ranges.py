@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 from lammps_skin.errors import SceneError
@@ -17,6 +18,11 @@ class Window(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.start:g}-{self.end:g}" if self.start < self.end else f"{self.start:g}"
+
+    def holds_frame(self, interval: float) -> bool:
+        """Whether one of the frames at multiples of an interval is in it."""
+        last = interval * math.floor(self.end / interval * (1 + 1e-12))
+        return last >= self.start * (1 - 1e-12)
 
 
 def seeds_of(text: Any, key: str = "--seeds ") -> list[int]:

@@ -169,6 +169,13 @@ def _design(name: str, text: str, given: Mapping[str, Any], folder: Path) -> Des
         windows = windows_after(text_of_windows, fork, end)
     else:
         fork, windows = None, windows_of(text_of_windows, end, "windows = ")
+    for window, point in product(windows if text_of_windows else (), points):
+        interval = point.scene.output.dump_interval
+        if interval and not window.holds_frame(interval):
+            raise SceneError(
+                f"windows = {text_of_windows}: no frame is in {window}, since "
+                f"output.dump_interval = {interval:g}, of {point.label}"
+            )
     return Design(
         name, text, scene, points, tuple(varied),
         tuple(seeds_of(given.get("seeds", "1-8"), "seeds = ")), tuple(windows), sample, fork,
