@@ -74,6 +74,8 @@ void FixSkinMotion::init()
     error->all(FLERR, "Fix skin/motion computes pair, bond and dihedral forces alone: it works "
                "without angle, improper and kspace styles");
   if (!force->newton_bond) error->all(FLERR, "Fix skin/motion needs newton on for bonds");
+  if (!(update->dt > 0.0))
+    error->all(FLERR, "Fix skin/motion needs a timestep greater than 0, but got {}", update->dt);
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "Fix skin/motion does not work with run_style respa: use run_style verlet");
   for (const Fix *other : modify->get_fix_by_style("^skin/motion$"))
