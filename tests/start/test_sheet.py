@@ -242,3 +242,11 @@ def test_the_recipe_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     np.testing.assert_array_equal(names["state"].positions, one.positions)
     sheet = one.positions[one.kinds == Kind.MEMBRANE]
     assert np.ptp(sheet[:, 2]) == pytest.approx(8.0, abs=0.1)
+
+
+def test_noise_that_leaves_the_box_is_named() -> None:
+    scene = Scene.load("bare-membrane").replace(
+        **{"membrane.lattice": (12, 14), "membrane.noise": 1e6}
+    )
+    with pytest.raises(SceneError, match=r"membrane.noise = 1e\+06: puts .* z = .*100\)"):
+        Configuration.from_scene(scene)

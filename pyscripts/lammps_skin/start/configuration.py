@@ -133,6 +133,13 @@ class Configuration:
         places = np.concatenate([np.empty((0, 2)), *first.values()])
         cells = places_above(scene, sheet, places)
         sheet[:, 2] += scene.membrane.noise * roughness.standard_normal(len(sheet))
+        top = scene.box_sides[2]
+        outside = sheet[(sheet[:, 2] < 0) | (sheet[:, 2] >= top)]
+        if len(outside):
+            raise SceneError(
+                f"membrane.noise = {scene.membrane.noise:g}: puts a particle at z = "
+                f"{outside[0, 2]:g}, which must be in [0, {top:g})"
+            )
 
         links, hinges = lattice.links_and_hinges(scene.membrane.lattice)
         kinds = np.repeat(
