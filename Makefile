@@ -69,6 +69,7 @@ clean:
 	find plugins pyscripts tests -type d -name __pycache__ -prune -exec rm -rf {} +
 
 $(INSTALLED): $(BIN)/python $(SOURCES)
+	@echo "installing into $(VENV), compiling the plugin: some minutes"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check ".[test,study,docs,report]"
 	@touch $@
 

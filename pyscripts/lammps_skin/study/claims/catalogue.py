@@ -294,12 +294,12 @@ CLAIMS = (
     Claim(
         10,
         "In the continuum a term of the size of a cell breaks the symmetry of up and down.",
-        lacking="a solution of the continuum equation with and without this term",
+        lacking="a solution of the continuum equation: docs/studies/continuum.md",
     ),
     Claim(
         11,
         "A stiffer or less elastic membrane or dermis is flatter.",
-        lacking="ensembles with several stiffnesses of the membrane and the dermis",
+        lacking="ensembles with several stiffnesses: docs/studies/photoaging.md",
     ),
 )  # fmt: skip
 """All claims, in the order of the paper."""
