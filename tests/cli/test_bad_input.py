@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
@@ -79,7 +81,7 @@ SETTINGS = {
     "membrane.radius=0.1": "box of 1.2 x 1.212 x 100: too small for the range 3.36 of cell_cell_",
     "cells.adhesion_range=1e9": "box of 12 x 12.12 x 100: too small for the range 2.8e+09 of cell_",
     "numerics.neighbor_skin=20": "box of 12 x 12.12 x 100: too small for the range 3.36 of cell_",
-    "membrane.noise=1e3": "positions: z = ",
+    "membrane.noise=1e3": "membrane.noise = 1000: puts a particle at z = ",
     "membrane.noise=2": "positions: the link of the particles ",
 }
 
@@ -92,7 +94,9 @@ def test_setting(setting, refused, tmp_path):
 
 def test_positions_that_noise_spoils_are_named(refused):
     high = refused("run", "two-cells", "--set", "membrane.noise=1e3")
-    assert high.endswith("must be in [0, 100)") and " of particle " in high
+    assert re.fullmatch(
+        r"membrane\.noise = 1000: puts a particle at z = \S+, which must be in \[0, 100\)", high
+    )
     torn = refused("run", "two-cells", "--set", "membrane.noise=2")
     assert torn.endswith("long, must be between 0 and 2.5")
 
