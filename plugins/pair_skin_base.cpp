@@ -116,8 +116,10 @@ void PairSkinBase::tally()
   const bool each = eflag_atom || vflag_either || num_tally_compute;
   for (size_t kind = 0; kind < of_kind.size(); kind++) {
     const double *const c = of_kind[kind].data();
-    if (!each) eng_vdwl += add_energies(contacts.of_kind[kind], c);
-    if (!each) continue;
+    if (!each) {
+      eng_vdwl += add_energies(contacts.of_kind[kind], c);
+      continue;
+    }
     for (const auto &[i, j] : contacts.of_kind[kind]) {
       const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
       const double rsq = dx * dx + dy * dy + dz * dz;

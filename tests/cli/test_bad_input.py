@@ -1,4 +1,4 @@
-"""What cannot be is refused in one line that names the key, the value and what is allowed."""
+"""Invalid input is rejected with one line that names the key, the value and what is allowed."""
 
 from __future__ import annotations
 
