@@ -19,6 +19,7 @@ from statistics import median
 from typing import Any
 
 import numpy as np
+from lammps_skin.analysis.basal_layer import links
 from lammps_skin.analysis.geometry import minimum_image
 from lammps_skin.analysis.observables import Observables, Run, open_run
 from lammps_skin.analysis.state import State, StateAnalysis
@@ -30,6 +31,7 @@ PARTS: dict[str, Callable[[State], Any]] = {  # each uses what those before it h
     "curvature below the cells": lambda state: state.curvature_below,
     "order parameters": lambda state: (state.order(Kind.STEM), state.order(Kind.ND)),
     "coverage": lambda state: state.coverage,
+    "layers and links": lambda state: (state.layering, state.sheet),
     "height field": lambda state: state.height,
     "skewness": lambda state: state.skewness(),
     "papillae": lambda state: state.papillae,
@@ -62,9 +64,10 @@ def tiled(state: State, times: int) -> State:
         membrane[place] = whole + shift
         cells.append(state.cells + shift)
         below.append(place[state.below])
+    triangles = lattice.triangles(scene.membrane.lattice)
     return replace(
         state, scene=scene, box=times * state.box, membrane=membrane,
-        triangles=lattice.triangles(scene.membrane.lattice), cells=np.concatenate(cells),
+        triangles=triangles, links=links(triangles), cells=np.concatenate(cells),
         kinds=np.tile(state.kinds, times**2), below=np.concatenate(below),
         ids=np.arange(times**2 * len(state.ids)),
     )  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from lammps_skin.analysis.basal_layer import last_remark, layering, remark, sheet
+from lammps_skin.analysis.basal_layer import last_remark, layering, links, remark, sheet
 
 from tests.analysis.meshes import icosphere, rough_sheet
 from tests.analysis.meshes import sheet as flat
@@ -52,21 +52,24 @@ def test_without_cells_nothing_is_defined():
 
 def test_area_and_links_of_known_surfaces():
     tilted, triangles, box = flat((40, 46), lambda x, y: 0 * x)
-    found = sheet(tilted, triangles, box)
+    found = sheet(tilted, triangles, links(triangles), box)
     assert found.area == pytest.approx(box[0] * box[1])
     assert found.long_link == pytest.approx(0.5)
     ball, faces = icosphere(4, 3.0)
-    assert sheet(ball, faces).area == pytest.approx(4 * np.pi * 9, rel=5e-3)
+    assert sheet(ball, faces, links(faces)).area == pytest.approx(4 * np.pi * 9, rel=5e-3)
 
 
 def test_links_are_each_counted_once():
     positions, triangles, box = rough_sheet(1)
-    links = {frozenset(pair) for t in triangles.tolist() for pair in zip(t, t[1:] + t[:1])}  # noqa: B905
-    ends = np.array([sorted(link) for link in links])
+    sides = {frozenset(pair) for t in triangles.tolist() for pair in zip(t, t[1:] + t[:1])}  # noqa: B905
+    found = links(triangles)
+    assert found.shape == (2, len(sides))
+    assert {frozenset(pair) for pair in found.T.tolist()} == sides
+    ends = np.array([sorted(side) for side in sides])
     apart = positions[ends[:, 0]] - positions[ends[:, 1]]
     apart[:, :2] -= np.array(box) * np.round(apart[:, :2] / np.array(box))
     expected = np.quantile(np.linalg.norm(apart, axis=1), 0.99)
-    assert sheet(positions, triangles, box).long_link == pytest.approx(expected)
+    assert sheet(positions, triangles, found, box).long_link == pytest.approx(expected)
 
 
 def test_only_a_covered_heap_is_remarked_on():

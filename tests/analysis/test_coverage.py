@@ -32,6 +32,13 @@ def test_one_cell_covers_a_disc_through_the_edges(place):
     assert mask.mean() * np.prod(box) == pytest.approx(np.pi * DISC**2, rel=0.1)
 
 
+def test_a_cell_covers_what_is_exactly_within_reach_beyond_an_edge():
+    membrane, box = flat_sheet()
+    particle, cell = membrane[:1], membrane[:1] + [box[0] - REACH, 0.0, 0.0]
+    assert covered(particle, cell, box, box[0] - cell[0, 0] + particle[0, 0]).all()
+    assert not covered(particle, cell, box, REACH - 1e-6).any()
+
+
 def test_cells_that_share_membrane_count_it_once():
     membrane, box = flat_sheet()
     cell = np.array([[5.0, 5.0, 20 + CONTACT]])

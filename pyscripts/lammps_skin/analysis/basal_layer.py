@@ -91,7 +91,15 @@ def layering(cells: Floats, below: Ints, particles: int, box: Box, radius: float
     )  # fmt: skip
 
 
-def sheet(positions: Floats, triangles: Ints, box: Box | None = None) -> Sheet:
+def links(triangles: Ints) -> Ints:
+    """Indices (2, l) of the ends of each side of triangles (t, 3), once for those that share it."""
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    particles = int(triangles.max(initial=0)) + 1
+    numbers = np.unique(ends[:, 0] * particles + ends[:, 1])
+    return np.stack(np.divmod(numbers, particles))
+
+
+def sheet(positions: Floats, triangles: Ints, ends: Ints, box: Box | None = None) -> Sheet:
     """How far a triangulated membrane is stretched.
 
     Parameters
@@ -99,17 +107,17 @@ def sheet(positions: Floats, triangles: Ints, box: Box | None = None) -> Sheet:
     positions : (n, 3) array
         Wrapped or not.
     triangles : (t, 3) array of int
-        Indices of the corners; every link is the side of one or of two.
+        Indices of the corners.
+    ends : (2, l) array of int
+        The `links` of the triangles, which are the same in all frames of a trajectory.
     box : (L_x, L_y), optional
         Periods of x and y; none for a closed surface.
     """
-    corners = positions[triangles]
-    first, second = (minimum_image(corners[:, n] - corners[:, 0], box) for n in (1, 2))
-    area = float(np.linalg.norm(np.cross(first, second), axis=1).sum() / 2)
-    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    links = np.unique(ends[:, 0] * len(positions) + ends[:, 1])
-    i, j = np.divmod(links, len(positions))
-    lengths = np.linalg.norm(minimum_image(positions[i] - positions[j], box), axis=1)
+    a, b, c = (positions[corner] for corner in triangles.T)
+    twice = np.cross(minimum_image(b - a, box), minimum_image(c - a, box))
+    area = float(np.sqrt(np.einsum("ti,ti->t", twice, twice)).sum() / 2)
+    link = minimum_image(positions[ends[1]] - positions[ends[0]], box)
+    lengths = np.sqrt(np.einsum("li,li->l", link, link))
     return Sheet(area, float(np.quantile(lengths, 0.99)))
 
 

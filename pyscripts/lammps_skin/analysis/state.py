@@ -11,7 +11,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from lammps_skin.analysis.basal_layer import Layering, Sheet, layering, sheet
+from lammps_skin.analysis.basal_layer import Layering, Sheet, layering, links, sheet
 from lammps_skin.analysis.coverage import coverage
 from lammps_skin.analysis.curvature import curvature
 from lammps_skin.analysis.geometry import nearest
@@ -55,6 +55,8 @@ class State:
         Positions, wrapped or not.
     triangles : (t, 3) array of int
         Indices of membrane particles, counterclockwise seen from the side of the cells.
+    links : (2, l) array of int
+        Indices of the ends of each side of the triangles.
     kinds : (c,) array of int
         `Kind` of each cell.
     cells : (c, 3) array
@@ -69,6 +71,7 @@ class State:
     box: Floats
     membrane: Floats
     triangles: Ints
+    links: Ints
     kinds: Ints
     cells: Floats
     below: Ints
@@ -103,7 +106,7 @@ class State:
     @cached_property
     def sheet(self) -> Sheet:
         """How far the membrane is stretched."""
-        return sheet(self.membrane, self.triangles, self.box)
+        return sheet(self.membrane, self.triangles, self.links, self.box)
 
     @cached_property
     def height(self) -> Floats:
@@ -176,6 +179,7 @@ class StateAnalysis(AnalysisBase, ABC):  # type: ignore[misc]
         self.scene, ids = scene_and_triangles(universe)
         self._members = np.flatnonzero(universe.atoms.types == Kind.MEMBRANE.label)
         self._triangles = np.searchsorted(self._members, ids - 1)
+        self._links = links(self._triangles)
 
     def run(self, *frames: Any, **options: Any) -> Self:
         """Analyse frames, see `AnalysisBase`; raises `SkinError` where they cannot be read."""
@@ -230,6 +234,7 @@ class StateAnalysis(AnalysisBase, ABC):  # type: ignore[misc]
             box=box,
             membrane=membrane,
             triangles=self._triangles,
+            links=self._links,
             kinds=np.asarray(data["species"][cells], np.int64),
             cells=places,
             below=self._nearest(data["partner"][cells], places, membrane, box),

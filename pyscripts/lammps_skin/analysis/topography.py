@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -55,6 +56,7 @@ def peaks(height: Floats) -> Peaks:
     return Peaks(nodes, height.ravel()[nodes], saddle, joins, basin)
 
 
+@lru_cache(maxsize=16)
 def _neighbors(shape: tuple[int, ...], step: Shift) -> tuple[Ints, Ints]:
     """Flat index (g_x, g_y) of the node one step away, and the boxes (g_x, g_y, 2) crossed."""
     i, j = np.indices(shape)
