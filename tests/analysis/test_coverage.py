@@ -34,7 +34,7 @@ def test_one_cell_covers_a_disc_through_the_edges(place):
 
 def test_a_cell_covers_what_is_exactly_within_reach_beyond_an_edge():
     membrane, box = flat_sheet()
-    particle, cell = membrane[:1], membrane[:1] + [box[0] - REACH, 0.0, 0.0]
+    particle, cell = membrane[:1], membrane[:1] + np.array([box[0] - REACH, 0, 0])
     assert covered(particle, cell, box, box[0] - cell[0, 0] + particle[0, 0]).all()
     assert not covered(particle, cell, box, REACH - 1e-6).any()
 
