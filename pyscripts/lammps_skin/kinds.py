@@ -58,7 +58,7 @@ Kind.DERMAL = Kind(1, "dermal", colour=(0.93, 0.90, 0.82))
 Kind.MEMBRANE = Kind(2, "membrane", colour=(0.87, 0.68, 0.56))
 Kind.STEM = Kind(3, "stem", colour=(0.50, 0.93, 0.36))
 Kind.TA = Kind(4, "ta", "TA", (0.36, 0.18, 0.50))
-Kind.EXHAUSTED = Kind(5, "exhausted", colour=(0.62, 0.56, 0.68))
+Kind.EXHAUSTED = Kind(5, "exhausted", "exhausted TA", (0.62, 0.56, 0.68))
 Kind.ND = Kind(6, "nd", "ND", (0.80, 0.16, 0.10))
 
 KINDS = (Kind.DERMAL, Kind.MEMBRANE, Kind.STEM, Kind.TA, Kind.EXHAUSTED, Kind.ND)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import ContextDecorator, contextmanager
 from contextvars import ContextVar
 from math import ceil
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
-from matplotlib import style
+from matplotlib import rcParams, style
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -29,6 +31,8 @@ SHEETS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 PRINTED_WIDTH = 183 / 25.4  # two columns of a journal, inches
 NARROW = 3.3  # in which letters still fit, inches
+LETTER_WIDTH = 0.52  # of a letter over its height, in the mean
+POINTS = 72  # in an inch
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 _sheet: ContextVar[str] = ContextVar("sheet", default="screen")
@@ -95,6 +99,24 @@ def panels(
     for axes in found[number:]:
         axes.remove()
     return figure, found[:number]
+
+
+def with_indices(text: str) -> str:
+    """Words whose symbols, such as χ_H and R_c, get their indices."""
+    return re.sub(r"\b([χR])_(\w)\b", r"\1$_\\mathrm{\2}$", text)
+
+
+def name_axes(axes: Axes, x: str, y: str = "") -> None:
+    """Label axes, in as many lines as they need."""
+    grid, figure = axes.get_gridspec(), axes.get_figure(root=True)
+    assert grid is not None and figure is not None
+    letter = LETTER_WIDTH * float(rcParams["font.size"]) / POINTS
+    lengths = figure.get_size_inches() / [grid.ncols, grid.nrows]
+    across, up = (
+        with_indices(fill(text, max(int(0.85 * length / letter), 1)))
+        for text, length in zip((x, y), lengths, strict=True)
+    )
+    axes.set(xlabel=across, ylabel=up)
 
 
 def name_panels(panels: Sequence[Axes]) -> None:

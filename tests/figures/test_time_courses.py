@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lammps_skin.analysis.labels import label
+from lammps_skin.analysis.observables import ORDERS
 from lammps_skin.errors import FigureError
-from lammps_skin.figures.time_courses import ORDERS, draw_course, draw_courses, draw_stem_and_nd
+from lammps_skin.figures.time_courses import draw_course, draw_courses, draw_stem_and_nd
 from lammps_skin.style import printed
 from matplotlib.figure import Figure
 from scipy.stats import t as student
@@ -62,10 +64,12 @@ def test_a_column_that_is_missing_is_named():
 def test_a_panel_for_each_column_and_a_line_for_each_table():
     tables = {name: table(np.full((2, 3), n), ORDERS) for n, name in enumerate(("ring", "random"))}
     figure = draw_courses(tables, ORDERS, across=2)
-    assert [axes.get_ylabel() for axes in figure.axes] == list(ORDERS.values())
+    labels = [axes.get_ylabel().replace("\n", " ") for axes in figure.axes]
+    assert labels[0] == r"χ$_\mathrm{H}$: stem cells on convex places"
+    assert labels[2:] == [label(name).text.replace("R_c", r"R$_\mathrm{c}$") for name in ORDERS[2:]]
     for axes in figure.axes:
         assert [line.get_ydata()[0] for line in axes.lines[:2]] == [0, 1]
-    labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["ring (2 seeds)", "random (2 seeds)"]
 
 
@@ -91,7 +95,7 @@ def test_time_is_in_cycles_in_print():
     times, cycles = (one.axes[0].lines[0].get_xdata() for one in (on_screen, figure))
     assert cycles == pytest.approx(np.array(times) / 10.0)
     assert [axes.get_xlabel() for axes in (on_screen.axes[0], figure.axes[0])] == [
-        "time", "time (cycles)",
+        "time (time units)", "time (cycles)",
     ]  # fmt: skip
     assert [axes.get_title("left") for axes in figure.axes] == ["a", "b", "c", "d"]
     assert figure.get_size_inches()[0] == pytest.approx(183 / 25.4)

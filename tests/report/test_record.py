@@ -8,16 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lammps_skin.analysis.observables import COLUMNS, columns
 from lammps_skin.errors import SkinError
-from lammps_skin.kinds import KINDS, is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.report import library
 from lammps_skin.report.packing import pack, quantised
 from lammps_skin.report.page import page, report
 from lammps_skin.report.pictures import surface
 from lammps_skin.report.record import MOST_FRAMES, MOST_POINTS, chosen, fitting, record
-from lammps_skin.report.words import titles
 from lammps_skin.run.simulation import Simulation
 from lammps_skin.start import lattice
 from lammps_skin.trajectory.dump import write_dump
@@ -82,15 +79,6 @@ def test_frames_that_are_drawn() -> None:
     assert chosen(101, 5) == [0, 25, 50, 75, 100]
     assert fitting(10) == MOST_FRAMES
     assert fitting(45_600) * 45_600 <= MOST_POINTS
-
-
-def test_all_observables_have_a_title() -> None:
-    cells = [kind for kind in KINDS if is_cell(kind)]
-    own = Scene.load("mutant").kinds_of_cells
-    for kinds, names in ((cells, COLUMNS), (own, columns(own))):
-        found = titles(names, kinds)
-        assert [one["name"] for one in found] == list(names[1:])
-        assert len({one["title"] for one in found}) == len(found)
 
 
 def test_cells_and_events_are_those_of_the_run(run: Path) -> None:

@@ -112,12 +112,12 @@ def in_terminal(*words: str, until: str) -> str:
 def test_numbers_in_the_terminal_are_those_of_the_files(going: Going) -> None:
     shown = in_terminal("watch", str(going.directory), until=r"last frame .*checkpoint")
     events, table = logged(going.directory), observables(going.directory)
-    assert f"births {events['birth']:,}; losses " in shown
+    assert f"births {events['birth']:,}; removals " in shown
     assert f"last frame t = {table['time'][-1]:g}; last checkpoint t = " in shown
     for kind in ("stem", "TA"):
         number = re.findall(rf"\n{kind} cells +[▁-█]+ +([\d,]+)\r\n", shown)[-1]
         assert int(number) == table[kind.lower()][-1] > 0
-    (covered,) = set(re.findall(r"coverage +[▁-█]+ +([\d.]+)", shown))
+    (covered,) = set(re.findall(r"covered fraction of the membrane +[▁-█]+ +([\d.]+)", shown))
     assert float(covered) == pytest.approx(table["coverage"][-1], rel=6e-3)
     assert " to go" in shown
 
@@ -139,7 +139,7 @@ def test_it_grows_with_the_run_and_tells_of_its_end(going: Going) -> None:
     assert second.time > first.time and len(second.table) >= len(first.table) + 2
     assert second.table.tobytes() == observables(going.directory).tobytes()
     events = logged(going.directory)
-    assert (second.births, sum(second.losses.values())) == (events["birth"], events["death"])
+    assert (second.births, sum(second.removals.values())) == (events["birth"], events["death"])
 
 
 def test_the_page_follows_the_run(going: Going, browser: Browser) -> None:
@@ -182,7 +182,7 @@ def test_a_run_that_has_ended(skin, run: Path) -> None:
     assert answer.code == 0
     assert answer.out.startswith(f"one-stem in {run}: t = 300 of 300, ended\n")
     events = logged(run)
-    assert f"births {events['birth']}; losses {events['death']} detached; " in answer.out
+    assert f"births {events['birth']}; removals {events['death']} detached; " in answer.out
 
 
 @pytest.mark.parametrize(("where", "said"), [("nowhere", "is none"), (".", "no trajectory")])

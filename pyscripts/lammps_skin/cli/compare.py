@@ -106,6 +106,6 @@ def _draw(report: Report, path: Path, against: str | None, places: dict[str, flo
         figure = draw_against(report.rows, against, places, across)
     else:
         courses = {one.name: one.table for one in report.conditions}
-        names = {name: name for name in (column.partition(REACHES)[0] for column in columns)}
+        names = list(dict.fromkeys(column.partition(REACHES)[0] for column in columns))
         figure = draw_courses(courses, names, min(across, len(names)))
     console.print(str(save(figure, path)))

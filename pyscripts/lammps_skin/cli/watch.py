@@ -20,13 +20,8 @@ if TYPE_CHECKING:
     from lammps_skin.report.server import PageServer
     from lammps_skin.report.watched import Look
 
-SHOWN = {
-    "coverage": "coverage",
-    "none_below": "none below (basal layer)",
-    "chi_H": "chi_H of stem cells",
-    "zeta": "zeta of stem cells",
-}
-BARS, WIDTH = "▁▂▃▄▅▆▇█", 36  # with titles and numbers in 80 columns
+SHOWN = ("coverage", "none_below", "chi_H", "zeta")
+BARS, WIDTH = "▁▂▃▄▅▆▇█", 28  # with titles and numbers in 80 columns
 
 
 def watch(
@@ -78,12 +73,12 @@ def _shown(run: Path, look: Look) -> Group:
         table.add_column(justify=justify, no_wrap=True)
     for title, values in _statistics(look):
         table.add_row(title, sparkline(values), _number(values[-1]))
-    losses = ", ".join(f"{number:,} {cause}" for cause, number in look.losses.items()) or "0"
+    removals = ", ".join(f"{number:,} {cause}" for cause, number in look.removals.items()) or "0"
     frame = f"last frame t = {look.table['time'][-1]:g}"
     return Group(
         f"{look.scene.name} in {run}: {_progress(look)}",
         table,
-        f"births {look.births:,}; losses {losses}; {frame}; {_checkpoint(look)}",
+        f"births {look.births:,}; removals {removals}; {frame}; {_checkpoint(look)}",
     )
 
 
@@ -104,12 +99,14 @@ def _checkpoint(look: Look) -> str:
 
 def _statistics(look: Look) -> Iterator[tuple[str, list[float]]]:
     """Titles and values over the frames; of kinds of cells, those that there have been."""
+    from lammps_skin.analysis.labels import label
+
     for kind in look.scene.kinds_of_cells:
         numbers = look.table[kind.label].tolist()
         if any(numbers):
             yield f"{kind.name} cells", numbers
-    for name, title in SHOWN.items():
-        yield title, look.table[name].tolist()
+    for name in SHOWN:
+        yield label(name).text, look.table[name].tolist()
 
 
 def sparkline(values: Sequence[float], width: int = WIDTH) -> str:

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from lammps_skin.analysis.labels import label
 from lammps_skin.study.compare.comparison import Row
-from lammps_skin.style import panels, plain
+from lammps_skin.style import name_axes, panels, plain
 
 
 @plain
@@ -41,7 +42,7 @@ def draw_against(rows: Sequence[Row], key: str, places: Mapping[str, float], acr
                 [places[row.condition] for row in chosen], value, [value - low, high - value],
                 marker="o", markersize=4, capsize=3, label=f"t = {window}",
             )  # fmt: skip
-        axes.set(xlabel=key, ylabel=column)
+        name_axes(axes, key, label(column).text)
     axes_of[0].legend(frameon=False)
     return figure
 
@@ -77,7 +78,8 @@ def draw_conditions(rows: Sequence[Row], across: int) -> Figure:
                 color=f"C{number}",
             )  # fmt: skip
             axes.axvline(value[0], color=f"C{number}", linestyle=":", linewidth=0.8)
-        axes.set(xlabel=column, ylim=(len(names) - 0.5, -0.5))
+        axes.set(ylim=(len(names) - 0.5, -0.5))
+        name_axes(axes, label(column).text)
         axes.set_yticks(range(len(names)), ["" for _ in names] if n % across else names)
     handles, labels = list(drawn.values()), list(drawn)
     figure.legend(handles, labels, frameon=False, loc="outside upper right", ncols=len(labels))

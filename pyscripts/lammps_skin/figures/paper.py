@@ -10,13 +10,13 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from lammps_skin.analysis.observables import Table, read_table
+from lammps_skin.analysis.observables import ORDERS, Table, read_table
 from lammps_skin.errors import FigureError, SkinError
 from lammps_skin.figures.gallery import draw_run, draw_scenes
 from lammps_skin.figures.look import mean_cycle
 from lammps_skin.figures.moments import last_time
 from lammps_skin.figures.potential_curves import draw_potentials
-from lammps_skin.figures.time_courses import ORDERS, TISSUE, draw_courses, draw_stem_and_nd
+from lammps_skin.figures.time_courses import TISSUE, draw_courses, draw_stem_and_nd
 from lammps_skin.model.scene import Scene
 from lammps_skin.study.ensemble import Member, member_of, members, with_seed
 
@@ -65,7 +65,7 @@ FIGURES = {
     ),
     5: PaperFigure(
         "chi_H, chi_G, zeta and sigma of stem and of ND cells", WITH_ND, "table",
-        lambda tables, cycle: draw_stem_and_nd(tables, tuple(ORDERS), cycle),
+        lambda tables, cycle: draw_stem_and_nd(tables, ORDERS, cycle),
     ),
     6: PaperFigure(
         "numbers of cells, coverage, height and papillae", ARRANGEMENTS, "table",

@@ -29,7 +29,6 @@ from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import near
 from lammps_skin.style import dots, name_panels, plain
 
-NAMES = {Kind.EXHAUSTED: "TA, exhausted"}  # in a legend, of kinds with another name than theirs
 NONE = "none"  # word for no cells
 STRIP, BAR = 0.34, 0.75  # of a title or a legend, of colours that stand for numbers: inches
 SCALE_BAR = 0.25  # of the width of a picture, at most
@@ -84,7 +83,7 @@ def legend(figure: Figure, moment: Moment, kinds: Sequence[Kind]) -> None:
     """Names of the kinds of cells that there are."""
     there = [kind for kind in kinds if kind in moment.kinds]
     patches = [
-        Patch(facecolor=kind.colour, edgecolor="0.3", label=NAMES.get(kind, kind.name))
+        Patch(facecolor=kind.colour, edgecolor="0.3", label=kind.name)
         for kind in there
     ]
     if patches:

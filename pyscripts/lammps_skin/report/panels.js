@@ -20,7 +20,7 @@ function inWords(run, n, id) {
   const about = id === cell ? "" : `${cell} `;
   if (kind === "birth") return id === other ? `gave birth to ${cell}` : `${about}was born of ${other}`;
   if (kind === "division_end") return `division of ${other} and ${cell} ended`;
-  if (kind === "death") return `${about}was lost: ${cause}`;
+  if (kind === "death") return `${about}was removed: ${cause}`;
   if (kind === "removal") return `${about}was removed by ${cause}`;
   if (kind === "conversion") return `${about}was converted by ${cause}`;
   if (kind === "addition") return `${about}was added by ${cause}`;
@@ -70,7 +70,7 @@ function events(run, time) {
   const found = run.told.events, times = run.arrays.event_time;
   if (!found) return `<div><h3>${clean(run.told.name)}</h3><p>There is no event log.</p></div>`;
   const counts = [["births", found.births.toLocaleString("en")],
-    ...Object.entries(found.removals_by_cause).map(([cause, n]) => [`lost: ${cause}`, n.toLocaleString("en")]),
+    ...Object.entries(found.removals_by_cause).map(([cause, n]) => [`removed: ${cause}`, n.toLocaleString("en")]),
     ...Object.entries(found.interventions)];
   let low = 0, high = times.length;
   while (low < high) {

@@ -82,7 +82,7 @@ def record(path: Path, frames: int | None = None, dermis: bool = False, beside: 
         "grid": pictured["height"].shape[1:],
         "ranges": ranges,
         "frames": [table["time"][n] for n in drawn],
-        "columns": titles(list(table), scene.kinds_of_cells),
+        "columns": titles(list(table)),
         "table": table,
         "means": found["window"],
         "events": found["events"],

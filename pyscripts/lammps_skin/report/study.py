@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_skin.analysis.observables import Table
+from lammps_skin.analysis.observables import LESS, Table
 from lammps_skin.analysis.observables import columns as observed
 from lammps_skin.analysis.statistics import Mean
 from lammps_skin.analysis.summary import without_nan
@@ -25,9 +25,6 @@ from lammps_skin.trajectory.store import STORE
 
 MOST_CURVES = 24  # points whose time courses are drawn
 DIGITS = 4
-CHOSEN = {
-    "stem_on_tips-stem_tips_expected": "stem cells on tips, more than by chance",
-}
 
 
 def is_study(folder: Path) -> bool:
@@ -133,14 +130,12 @@ def _told(tables: StudyTables, kept: dict[str, Any], most: int) -> dict[str, Any
     scenes = list(tables.scenes())
     kinds = list(dict.fromkeys(kind for scene in scenes for kind in scene.kinds_of_cells))
     measured = next(iter(courses.values())).dtype.names or ()
-    columns = titles([name for name in observed(kinds) if name in measured], kinds)
+    columns = titles([name for name in observed(kinds) if name in measured])
     known = {one["name"] for one in columns}
-    differences = [
-        {"name": name, "title": title, "group": ""}
-        for name, title in CHOSEN.items() if known.issuperset(name.split("-"))
+    first = [
+        {**one, "group": "At a glance"}
+        for one in titles(SHOWN) if known.issuperset(one["name"].split(LESS))
     ]  # fmt: skip
-    titled = {one["name"]: one for one in (*columns, *differences)}
-    first = [{**titled[name], "group": "At a glance"} for name in SHOWN if name in titled]
     wanted = list(dict.fromkeys(one["name"] for one in (*first, *columns)))
     means = {
         window: {

@@ -34,7 +34,7 @@ class Look(NamedTuple):
     checkpoint : float
         Time of the last checkpoint; NaN without one.
     births : int
-    losses : dict of str to int
+    removals : dict of str to int
         Cells that have left, by cause.
     table : Table
         Observables of all frames so far.
@@ -46,7 +46,7 @@ class Look(NamedTuple):
     speed: float
     checkpoint: float
     births: int
-    losses: dict[str, int]
+    removals: dict[str, int]
     table: Table
 
     @property
@@ -92,7 +92,7 @@ class Watched:
             speed=self._speed(reached, scene.begins, saved) if running else np.nan,
             checkpoint=max(saved, default=np.nan),
             births=len(events.of(BIRTH).id) if events else 0,
-            losses=dict(Counter(events.of(*LEAVING).cause.tolist())) if events else {},
+            removals=dict(Counter(events.of(*LEAVING).cause.tolist())) if events else {},
             table=table,
         )
 

@@ -1,4 +1,4 @@
-"""What observables are called on the page, and warnings in plain words."""
+"""Titles of the columns of tables, and warnings in plain words."""
 
 from __future__ import annotations
 
@@ -6,74 +6,17 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from lammps_skin.analysis.basal_layer import COVERED, last_remark
-from lammps_skin.kinds import Kind
+from lammps_skin.analysis.labels import label
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
 
-GROUPS = {
-    "Cells": {
-        "births": "births since the start",
-        "deaths": "cells lost since the start",
-    },
-    "Basal layer": {
-        "coverage": "fraction of the membrane within reach of a cell",
-        "none_below": "fraction of cells with none straight below",
-        "cells_below": "mean number of cells straight below one",
-        "most_on_particle": "most cells on one membrane particle",
-        "particles_holding": "fraction of membrane particles below a cell",
-        "cell_area": "area of cells over that of the membrane",
-    },
-    "Membrane": {
-        "membrane_area": "area of the membrane over that of the box",
-        "long_link": "length of long links (99th percentile)",
-        "height": "mean height",
-        "height_std": "roughness: standard deviation of height",
-        "skewness": "skewness of height: positive is outward",
-        "skewness_low": "skewness, lower end of its 95 % interval",
-        "skewness_high": "skewness, upper end of its 95 % interval",
-    },
-    "Papillae": {
-        "papillae": "number of papillae",
-        "papilla_height": "mean height of papillae",
-        "papilla_width": "mean width of papillae",
-        "papilla_spacing": "mean spacing of papillae",
-        "papilla_width_cells": "mean width of papillae, in cells",
-    },
-    "Cells on tips of papillae": {},
-    "Order parameters": {},
-}
 NAMED = 3  # statistics that a warning names
-TIPS = {
-    "on_tips": "fraction of {} cells on tips",
-    "tips_expected": "fraction of {} cells on tips, by chance",
-    "tips_sd": "fraction of {} cells on tips, its spread by chance",
-    "tips_z": "{} cells on tips, standard deviations above chance",
-    "tips_p": "{} cells on tips, p-value",
-}
-ORDERS = {
-    "chi_H": "χ_H: {} cells stand where the membrane is convex",
-    "chi_G": "χ_G: {} cells stand on domes or bowls",
-    "zeta": "ζ: {} cells stand higher than all cells",
-    "sigma": "σ: {} cells cluster in the plane",
-}
 
 
-def titles(columns: Sequence[str], kinds: Sequence[Kind]) -> list[dict[str, str]]:
+def titles(columns: Sequence[str]) -> list[dict[str, str]]:
     """Name, title and group of each column of a table of observables but the time."""
-    known = {
-        name: (title, group) for group, named in GROUPS.items() for name, title in named.items()
-    }
-    for kind in kinds:
-        known[kind.label] = f"{kind.name} cells", "Cells"
-        for name, title in TIPS.items():
-            known[f"{kind.label}_{name}"] = title.format(kind.name), "Cells on tips of papillae"
-        for name, title in ORDERS.items():
-            column = name if kind == Kind.STEM else f"{name}_{kind.label}"
-            known[column] = title.format(kind.name), "Order parameters"
-    return [
-        {"name": name, "title": known[name][0], "group": known[name][1]}
-        for name in columns if name != "time"
-    ]  # fmt: skip
+    labels = {name: label(name) for name in columns if name != "time"}
+    return [{"name": name, "title": one.text, "group": one.group} for name, one in labels.items()]
 
 
 def warnings(scene: Scene, found: dict[str, Any]) -> Iterator[str]:
@@ -99,7 +42,7 @@ def warnings(scene: Scene, found: dict[str, Any]) -> Iterator[str]:
             f"Cells cover {covered:.0%} of the membrane at the end. A tissue is taken for covered "
             f"from {COVERED:.0%} on; before, the order parameters tell of a growing colony."
         )
-    called = {one["name"]: one["title"] for one in titles(list(table), scene.kinds_of_cells)}
+    called = {one["name"]: one["title"] for one in titles(list(table))}
     moving = [
         called[name] for name, mean in means["means"].items() if mean["trend"] in ("rises", "falls")
     ]
@@ -111,6 +54,6 @@ def warnings(scene: Scene, found: dict[str, Any]) -> Iterator[str]:
             "times alone."
         )
     if found["events"] is None:
-        yield "There is no events.csv: births, losses and the histories of cells are not known."
+        yield "There is no events.csv: births, removals and the histories of cells are not known."
     for remark in remarks(scene):
         yield f"{remark}."

@@ -8,14 +8,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from lammps_skin.analysis.labels import SYMBOLS, label
 from lammps_skin.study.claims.readings import Reading
 from lammps_skin.study.claims.readings_levels import TISSUE, of_nd
-from lammps_skin.style import plain
+from lammps_skin.style import name_axes, plain, with_indices
 
 LEVELS = {one.title: one for one in TISSUE}
 PANELS = {
-    "papillae": [LEVELS["papillae"]],
-    "width of papillae, in cells": [LEVELS["width in cells"]],
+    label("papillae").text: [LEVELS["papillae"]],
+    label("papilla_width_cells").text: [LEVELS["width in cells"]],
     "stem cells in the ring scene": [LEVELS["chi_H"], LEVELS["zeta"]],
     "ND less stem cells in nd-b": list(of_nd("nd-b")[-2:]),
 }
@@ -31,8 +32,11 @@ def draw(series: Sequence[Reading]) -> Figure:
         for one in found:
             value, _, low, high, _ = np.array([one.of(reading) for reading in series]).T
             bars = np.array([value - low, high - value])
-            axes.errorbar(values, value, bars, fmt="o-", capsize=3, label=one.title)
-        axes.set(title=title, xscale="log", xlabel="bending stiffness")
+            name = with_indices(SYMBOLS.get(one.column.removesuffix("_nd"), ""))
+            when = f", t = {one.window}" if one.window else ""
+            axes.errorbar(values, value, bars, fmt="o-", capsize=3, label=name + when)
+        axes.set(xscale="log")
+        name_axes(axes, "bending stiffness", title)
         axes.set_xticks(values, [f"{value:g}" for value in values])
         axes.minorticks_off()
         if len(found) > 1:

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from lammps_skin.analysis import labels
 from lammps_skin.analysis.observables import Table, is_fraction, least
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.arrays import Floats
@@ -16,7 +17,7 @@ from lammps_skin.errors import SceneError
 from lammps_skin.model.scene_keys import near
 from lammps_skin.study.ranges import Window
 from lammps_skin.study.studies.design import Design
-from lammps_skin.style import panels, plain
+from lammps_skin.style import name_axes, panels, plain
 
 MINUS = "-"  # between two columns: their difference
 SHOWN = (
@@ -107,7 +108,7 @@ def draw_over_time(courses: dict[str, Table], wanted: Sequence[str]) -> Figure:
             values = value_of_column(table, column)
             means = [mean_of(values[table["time"] == time], column) for time in times]
             _line(axes, times, means, label)
-        axes.set(xlabel="time", ylabel=column)
+        name_axes(axes, labels.TIME, labels.label(column).text)
     _legend(figure, axes_of)
     return figure
 
@@ -143,7 +144,7 @@ def draw_against(
                 places = np.arange(len(points)) + 0.1 * n
                 axes.set_xticks(range(len(points)), [str(value) for value, _ in points])
             _bars(axes, places, [found[point, column] for _, point in points], label, numeric)
-        axes.set(xlabel=against, ylabel=f"{column}, t = {window}")
+        name_axes(axes, against, f"{labels.label(column).text}, t = {window}")
     _legend(figure, axes_of)
     return figure
 

@@ -9,13 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from lammps_skin.analysis.labels import label
 from lammps_skin.arrays import Floats
 from lammps_skin.study.studies.answer import answers
 from lammps_skin.study.studies.design import Design
-from lammps_skin.style import panels, plain
+from lammps_skin.style import name_axes, panels, plain
 
 CHANCE = "cells.seed"  # a key whose effect is that of chance alone
 DRAWN = {"morris": "mu_star", "sobol": "total"}
+MEASURE = {"mu_star": "μ*", "total": "total index"}
 
 
 class Sensitivity(NamedTuple):
@@ -89,7 +91,8 @@ def draw(design: Design, found: Sequence[Sensitivity]) -> Figure:
     figure, axes_of = panels(len(found), height=0.22 * len(keys) + 1.0)
     for n, (axes, one) in enumerate(zip(axes_of, found, strict=True)):
         head = DRAWN[sample.method]
-        axes.set(title=one.what, xlabel=head)
+        of, _, column = one.what.rpartition(", ")
+        name_axes(axes, f"{MEASURE[head]} of {label(column).text}{of and f', {of}'}")
         axes.set_yticks(range(len(keys)), keys if n % 3 == 0 else [""] * len(keys))
         axes.invert_yaxis()
         if not len(one.values):
