@@ -120,9 +120,9 @@ def test_hollows_are_darker_than_the_plane():
 
 
 @pytest.mark.parametrize("view", VIEWS)
-def test_nothing_is_drawn_outside_of_the_sides(view):
+def test_a_surface_ends_at_the_sides(view):
     camera = Camera.looking(axes_of(*view), CUBE, 300)
-    things = [sheet(lambda x, y: 0.3 * x), spheres((1.0, 0.2, 0.5, 0.8, RED))]
+    things = [sheet(lambda x, y: 0.3 * x)]
     places = Canvas(camera, things, (1.0, 1.5)).places()
     assert (places[:, :2] > -1e-9).all() and (places[:, :2] < np.array([1.0, 1.5]) + 1e-9).all()
     inside = Canvas(camera, things).places()
@@ -130,18 +130,11 @@ def test_nothing_is_drawn_outside_of_the_sides(view):
     assert len(places) >= len(inside) > 0
 
 
-def test_a_sphere_that_a_side_cuts_is_closed_by_a_disc():
-    """Seen along x, from where the side x = 1 cuts the sphere: a disc of the radius of the cut."""
+def test_a_sphere_at_a_side_is_whole():
     camera = Camera.looking(axes_of(0.0, 0.0), CUBE, 300)
-    canvas = Canvas(camera, [spheres((0.8, 1.0, 0.0, 0.7, RED))], (1.0, 2.0))
-    places = canvas.places()
-    on_side = np.isclose(places[:, 0], 1.0)
-    cut = np.pi * (0.7**2 - 0.2**2) * camera.scale**2
-    assert on_side.sum() == pytest.approx(cut, rel=0.02)
+    places = Canvas(camera, [spheres((0.8, 1.0, 0.0, 0.7, RED))], (1.0, 2.0)).places()
+    assert places[:, 0].max() == pytest.approx(1.5, abs=1e-3)
     assert len(places) == pytest.approx(np.pi * 0.7**2 * camera.scale**2, rel=0.02)
-    normals, _ = canvas.looks(slice(0, camera.shape[0]))
-    row, column = np.array(camera.project(np.array([1.0, 1.0, 0.0]))[:2]).round().astype(int)[::-1]
-    assert normals[:, row, column] == pytest.approx([0, 0, 1])
 
 
 def test_zoom_keeps_the_middle():

@@ -87,12 +87,6 @@ class Sides:
         (far_x, near_x), (far_y, near_y) = self._of_axes(columns, rows)
         return np.maximum(far_x, far_y), np.minimum(near_x, near_y)
 
-    def normals(self, columns: Floats | Ints, rows: Floats | Ints) -> Floats:
-        """Normals (3, k), as the camera sees them, of the sides where k rays leave the box."""
-        (_, near_x), (_, near_y) = self._of_axes(columns, rows)
-        outward = self.camera.axes[:, :2] * np.sign(self.camera.axes[2, :2])
-        return np.asarray(np.where(near_x < near_y, outward[:, :1], outward[:, 1:]))
-
     def _of_axes(self, columns: Floats | Ints, rows: Floats | Ints) -> list[tuple[Floats, Floats]]:
         scale, axes = self.camera.scale, self.camera.axes
         right, up = columns / scale + self.camera.origin[0], rows / scale + self.camera.origin[1]

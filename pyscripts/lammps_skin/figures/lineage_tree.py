@@ -11,7 +11,8 @@ from matplotlib.collections import LineCollection
 from lammps_skin.analysis.lineage import Events, founder_of, living, read_events, with_added
 from lammps_skin.arrays import Floats, Ints
 from lammps_skin.event_log import ADDITION, BIRTH, LEAVING
-from lammps_skin.figures.look import Look, clone_colours
+from lammps_skin.figures.clone_colours import PALETTE, clone_colours
+from lammps_skin.figures.look import Look
 from lammps_skin.figures.moments import Moment
 from lammps_skin.kinds import is_cell
 
@@ -135,7 +136,8 @@ def _apart(places: Floats, least: float) -> list[int]:
 def _colours(moment: Moment, look: Look, tree: Tree, events: Events) -> Floats:
     """Colours (n, 3) of the cells: of their clones, or of the kinds with which they began."""
     if look.colour_by != "kind":
-        return clone_colours(founder_of(tree.ids, events))
+        founders = founder_of(tree.ids, events)
+        return np.asarray(PALETTE[clone_colours(founders, moment.frames)])
     first = moment.frames[0]
     kinds = dict(zip(first.ids.tolist(), first.kinds.tolist(), strict=True))
     entered = events.of(BIRTH, ADDITION)

@@ -12,14 +12,14 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
 from lammps_skin.analysis.curvature import curvature
-from lammps_skin.arrays import Floats, Ints
+from lammps_skin.arrays import Floats
 from lammps_skin.errors import FigureError
+from lammps_skin.figures.clone_colours import PALETTE, clone_colours
 from lammps_skin.figures.moments import Moment
 from lammps_skin.kinds import is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import near
 
-CLONES = "tab20"  # colours of clones, in the order of their founders
 UNKNOWN = (0.6, 0.6, 0.6)  # colour of what has no value
 
 
@@ -159,7 +159,7 @@ class Look:
         """Colours (n, 3) of the cells of a moment."""
         cells = is_cell(moment.kinds)
         if self.colour_by == "clone":
-            return clone_colours(moment.founders[cells])
+            return np.asarray(PALETTE[clone_colours(moment.founders[cells], moment.frames)])
         numbered = self._numbered(moment, True)
         if numbered is not None:
             return numbered
@@ -176,9 +176,3 @@ class Look:
             return None
         values = COLOURINGS[self.colour_by].values(moment)
         return np.asarray(colours.to_rgba(np.ma.masked_invalid(values)))[:, :3]
-
-
-def clone_colours(founders: Ints) -> Floats:
-    """Colours (n, 3) of cells by their founders (n,)."""
-    palette = np.array(colormaps[CLONES].colors)  # type: ignore[attr-defined]
-    return palette[founders % len(palette)]

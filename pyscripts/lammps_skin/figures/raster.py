@@ -7,13 +7,12 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from lammps_skin.arrays import Floats, Ints
+from lammps_skin.arrays import Bools, Floats, Ints
 from lammps_skin.figures.camera import Camera, Sides
 
 NOTHING = -1
 PIXELS_AT_ONCE = 4_000_000
 TOLERANCE = 1e-6  # pixels: those on an edge belong to both triangles
-ON_SPHERE = 1e-6  # of the square of a radius
 HORIZONTAL = 1e-9  # change of a weight in a pixel along the row of an edge that lies along it
 
 
@@ -53,7 +52,7 @@ class Canvas:
     ----------
     camera : Camera
     sides : (L_x, L_y), optional
-        What lies outside of 0 to L_x and 0 to L_y is cut off.
+        What of surfaces lies outside of 0 to L_x and 0 to L_y is cut off; spheres stay whole.
 
     Attributes
     ----------
@@ -85,7 +84,6 @@ class Canvas:
         high = np.floor(self.centers[:, :2] + self.radii[:, None]) + 1
         high = np.minimum(high, self.camera.shape[::-1])
         seen = np.flatnonzero((high > low).all(axis=1)).tolist()
-        cut = self._cut(self.spheres.centers, self.spheres.radii).tolist()
         (left, bottom), (right, top) = (ends.astype(int).T.tolist() for ends in (low, high))
         (x, y, z), radii = self.centers.T.tolist(), self.radii.tolist()
         pixels = np.arange(float(max(self.camera.shape)))
@@ -95,20 +93,14 @@ class Canvas:
             rest = (radii[n] ** 2 - (rows - y[n]) ** 2) - (columns - x[n]) ** 2
             inside = rest >= 0
             half = np.sqrt(np.maximum(rest, 0.0, out=rest), out=rest)
-            if self.sides is not None and cut[n]:
-                far, near = self.sides.limits(columns, rows)
-                inside &= z[n] - half <= near
-                nearness = np.minimum(z[n] + half, near)
-                inside &= nearness >= far
-            else:
-                nearness = np.add(half, z[n], out=half)
+            nearness = np.add(half, z[n], out=half)
             inside &= nearness > self.depth[place]
             np.copyto(self.depth[place], nearness, where=inside)
             np.copyto(self.owner[place], n, where=inside)
 
     def _draw_surface(self, corners: Floats) -> None:
         depths = np.einsum("tkc,tk->tc", self.weights, corners[..., 2])  # of column, row and 1
-        cut = self._cut(self.surface.corners, 0.0)
+        cut = self._cut(self.surface.corners)
         depth, owner = self.depth.ravel(), self.owner.ravel()  # views
         for triangle, row, span, column in _spans(corners, self.weights, self.camera.shape):
             by_column, by_row, start = depths[triangle].T
@@ -123,14 +115,13 @@ class Canvas:
             front = np.flatnonzero((depth[pixel] == nearness) & (nearness > -np.inf))
             owner[pixel[front]] = len(self.radii) + triangle[span[front]]
 
-    def _cut(self, points: Floats, reach: Floats | float) -> Floats:
-        """Which items, each with points (n, ..., 3), are not whole within the box."""
+    def _cut(self, corners: Floats) -> Bools:
+        """Which triangles (t, 3, 3) are not whole within the box."""
         if self.sides is None:
-            return np.zeros(len(points), bool)
-        outside = np.zeros(points.shape[:-1], bool)
-        for axis, length in enumerate(self.sides.lengths):
-            outside |= (points[..., axis] - reach < 0) | (points[..., axis] + reach > length)
-        return np.asarray(outside if outside.ndim == 1 else outside.any(axis=1))
+            return np.zeros(len(corners), bool)
+        places = corners[..., :2]
+        outside = (places < 0) | (places > self.sides.lengths)
+        return np.asarray(outside.any(axis=(1, 2)))
 
     def places(self, every: int = 1) -> Floats:
         """Positions (k, 3) in space of what is seen in the pixels that are not empty.
@@ -152,9 +143,6 @@ class Canvas:
         item = owner[row, column]
         place = np.stack([column, row + rows.start, self.depth[rows][row, column]])
         place = (place - self.centers.T[:, item]) / self.radii[item]
-        if self.sides is not None:
-            flat = np.flatnonzero((place**2).sum(axis=0) < 1 - ON_SPHERE)
-            place[:, flat] = self.sides.normals(column[flat], row[flat] + rows.start)
         normal[:, row, column] = place
         colour[:, row, column] = self.spheres.colours.T[:, item]
 

@@ -1,8 +1,8 @@
 """Pictures of surfaces and spheres, drawn in numpy: no display, no graphics library.
 
 The projection is parallel. A depth buffer finds what is in front; a light from the upper left
-with shadows, and darker hollows, give the eye the third dimension. What is drawn may be cut by the
-sides of a box; a sphere that a side cuts is closed there by a flat face.
+with shadows, and darker hollows, give the eye the third dimension. A surface may be cut by the
+sides of a box.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def picture(
     roughness : float
         Size of the hollows that are to be dark, length.
     sides : (L_x, L_y), optional
-        What lies outside of 0 to L_x and 0 to L_y is cut off.
+        What of surfaces lies outside of 0 to L_x and 0 to L_y is cut off.
 
     Returns
     -------

@@ -38,13 +38,12 @@ def membrane_surface(moment: Moment, look: Look) -> Surface:
 
 
 def cell_spheres(moment: Moment, show: Sequence[Kind], look: Look) -> Spheres:
-    """The cells of some kinds that reach into the box, at their radius R_c."""
+    """The cells of some kinds, each once and whole, at their radius R_c."""
     cells = is_cell(moment.kinds)
     chosen = np.isin(moment.kinds[cells], show)
     radius = moment.scene.cells.radius
     centers = wrapped(moment.positions[cells][chosen], moment.box)
-    places, index = images(centers, moment.box, radius)
-    return Spheres(places, np.full(len(places), radius), look.of_cells(moment)[chosen][index])
+    return Spheres(centers, np.full(len(centers), radius), look.of_cells(moment)[chosen])
 
 
 def camera_of(moment: Moment, look: Look, below: bool = False) -> Camera:
@@ -52,8 +51,9 @@ def camera_of(moment: Moment, look: Look, below: bool = False) -> Camera:
     elevation = look.elevation
     if elevation is None:
         elevation = -ABOVE if below else ABOVE
-    (wide, deep), (low, high) = moment.box, moment.heights
-    corners = np.stack(np.meshgrid([0, wide], [0, deep], [low, high]), axis=-1).reshape(-1, 3)
+    (wide, deep), radius = moment.box, moment.scene.cells.radius
+    ends = [-radius, wide + radius], [-radius, deep + radius], moment.heights
+    corners = np.stack(np.meshgrid(*ends), axis=-1).reshape(-1, 3)
     return Camera.looking(axes_of(look.azimuth, elevation), corners, look.size, look.zoom)
 
 

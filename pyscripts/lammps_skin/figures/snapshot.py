@@ -99,7 +99,7 @@ def _heights(axes: Axes, moment: Moment, shown: Shown) -> None:
     image = draw_heights(axes, moment.shifted(shown.look.shift), kinds)
     axes.set_title(f"height of the membrane, t = {moment.time:g}")
     assert axes.figure is not None
-    axes.figure.colorbar(image, ax=axes, label="z", shrink=0.8)
+    axes.figure.colorbar(image, ax=axes, label="height z", shrink=0.8)
     _add_bar_of_lengths(axes, moment, shown.look)
 
 

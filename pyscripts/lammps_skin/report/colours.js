@@ -24,7 +24,7 @@ const CELL_COLOURS = {
   },
   clone: {
     title: "clone", note: (run) => `${run.clones.size} clones, each in a colour of ${SCALES.clones.length}`,
-    of: (run, n) => SCALES.clones[run.clones.get(run.arrays.cell_clone[n]) % SCALES.clones.length],
+    of: (run, n) => SCALES.clones[run.clones.get(run.arrays.cell_clone[n])],
   },
   age: {
     title: "age (time units)", scale: "age", ends: (run) => [0, run.told.ranges.cells.age],

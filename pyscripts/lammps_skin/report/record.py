@@ -15,7 +15,8 @@ from lammps_skin.analysis.lineage import Events
 from lammps_skin.analysis.observables import open_run
 from lammps_skin.analysis.summary import summary, without_nan
 from lammps_skin.errors import SkinError
-from lammps_skin.figures.look import CLONES, COLOURINGS
+from lammps_skin.figures.clone_colours import PALETTE, clone_colours
+from lammps_skin.figures.look import COLOURINGS
 from lammps_skin.figures.snapshot import on_map
 from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
@@ -68,6 +69,9 @@ def record(path: Path, frames: int | None = None, dermis: bool = False, beside: 
         drawn = chosen(len(table["time"]), frames or fitting(beside * len(made.first)))
         pictures = made.run(frames=drawn).pictures
         frames_of = run.universe.trajectory.frames
+        founders = np.unique(np.concatenate([picture.of_cells["clone"] for picture in pictures]))
+        numbers = clone_colours(founders, frames_of)
+        clones = dict(zip(founders.tolist(), numbers.tolist(), strict=True))
         made_with = frames_of.versions if isinstance(frames_of, Store) else {}
         scene, log = run.scene, run.events
     copies, corners = surface(made.first, made.triangles, np.array(scene.box_sides[:2]))
@@ -92,6 +96,7 @@ def record(path: Path, frames: int | None = None, dermis: bool = False, beside: 
             f"Pictures show {len(drawn)} of {len(table['time'])} frames; curves show all of them."
             if len(drawn) < len(table["time"]) else ""
         ),
+        "clones": clones,
         "provenance": _provenance(path, found["run"], made_with),
     }  # fmt: skip
     return Record(without_nan(told), pack({**plane, **pictured, **events}, STEADY))
@@ -138,10 +143,9 @@ def scales() -> dict[str, list[str]]:
         name: [to_hex(colormaps[scale](n / (SHADES - 1))) for n in range(SHADES)]
         for name, scale in {**shown, "below": shown["height"]}.items()
     }
-    clones = colormaps[CLONES]
     return {
         **shades,
-        "clones": [to_hex(clones(n)) for n in range(clones.N)],
+        "clones": [to_hex(colour) for colour in PALETTE],
         "curves": list(CURVES),
     }
 

@@ -35,8 +35,7 @@ class Run {
     this.start = [0];
     for (const number of arrays.number) this.start.push(this.start.at(-1) + number);
     this.kinds = new Map(told.kinds.map((kind) => [kind.number, kind]));
-    const founders = [...new Set(arrays.cell_clone)].sort((a, b) => a - b);
-    this.clones = new Map(founders.map((founder, n) => [founder, n]));
+    this.clones = new Map(Object.entries(told.clones).map(([founder, colour]) => [Number(founder), colour]));
     this.most = { left: 1, below: 3 };
     for (const name of ["left", "below"])
       this.most[name] = arrays["cell_" + name].reduce((a, b) => Math.max(a, b), this.most[name]);
