@@ -137,7 +137,7 @@ def test_the_command(skin, study: Study, tmp_path: Path) -> None:
 def test_a_sample_has_its_values_and_wide_bands_leave_the_chart(
     browser: Browser, tmp_path: Path
 ) -> None:
-    """The means of all seeds fill the chart, however far an interval reaches."""
+    """The means of all seeds fill a third of the chart, and it is said how far intervals reach."""
     end = "[sample]\nmethod = 'latin'\nn = 2\n[sample.ranges]\ncells.radius = [1.2, 1.4]\n"
     asked = made(tmp_path, end=end)
     for run in asked.runs:
@@ -153,5 +153,7 @@ def test_a_sample_has_its_values_and_wide_bands_leave_the_chart(
       const places = lines.flatMap((line) => line.getAttribute('d').match(/,[-0-9.]+/g));
       return endsOf(places.map((place) => Number(place.slice(1))));
     })()""")
-    assert 0 <= low < high <= 104 and high - low >= 104 / 2 - 8
+    assert 0 <= low < high <= 104 and high - low >= 104 / 3 - 8
+    (said,) = texts(browser, "figure[data-column=ta] .hint")
+    assert re.search(r"; intervals reach from [-\d.]+ to [\d.]+$", said)
     assert browser.errors == []

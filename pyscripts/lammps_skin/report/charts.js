@@ -3,7 +3,7 @@
 
 const CHART = { width: 260, height: 104, left: 4, right: 4, top: 6, bottom: 6 };
 const OPEN = ["Cells", "Basal layer", "Order parameters"]; // groups that are open at first
-const BEYOND = 0.5; // how far bands reach beyond all lines at most, of the extent of the lines
+const BEYOND = 1; // how far bands reach beyond all lines at most, of the extent of the lines
 const MOST_VALUES = 4; // curves whose values stand above a chart
 
 const LINES = SETTINGS.scales.curves;
@@ -36,8 +36,8 @@ class Charts {
       box.innerHTML = `<summary>${group}</summary><div class="charts"></div>`;
       const shown = members.filter((column) => this.values(column.name).flat().some((value) => value !== null));
       for (const column of shown) this.add(box.lastChild, column);
-      const absent = members.filter((column) => !shown.includes(column)).map((column) => column.name);
-      if (absent.length) box.insertAdjacentHTML("beforeend", `<p class="hint">Nowhere defined: ${absent.join(", ")}.</p>`);
+      const absent = members.filter((column) => !shown.includes(column)).map((column) => column.title);
+      if (absent.length) box.insertAdjacentHTML("beforeend", `<p class="hint">Nowhere defined: ${absent.map(symbols).join("; ")}.</p>`);
       host.append(box);
     }
   }
@@ -54,8 +54,9 @@ class Charts {
     const all = this.values(column.name), lows = this.values(column.name, "low"), highs = this.values(column.name, "high");
     let [low, high] = endsOf(all.flat());
     const [least, greatest] = [low, high], [lowest, highest] = endsOf([...lows.flat(), ...highs.flat()]);
-    const room = BEYOND * (high - low); // wide bands leave the chart
+    const room = BEYOND * (high - low); // wider bands leave the chart, which is then said below it
     [low, high] = [Math.max(Math.min(low, lowest), low - room), Math.min(Math.max(high, highest), high + room)];
+    const cut = lowest < low || highest > high ? `; intervals reach from ${short(lowest)} to ${short(highest)}` : "";
     if (low > 0 && low < 0.5 * high) low = 0;
     if (low === high) [low, high] = [low - 1, high + 1];
     const y = (value) => top + (height - top - bottom) * (high - value) / (high - low);
@@ -73,10 +74,10 @@ class Charts {
     const zero = low < 0 && high > 0 ? `<line x1="0" x2="${width}" y1="${y(0)}" y2="${y(0)}" stroke="#c4cad4"/>` : "";
     const figure = document.createElement("figure");
     figure.dataset.column = column.name;
-    figure.innerHTML = `<figcaption><span>${column.title}</span><b></b></figcaption>
+    figure.innerHTML = `<figcaption><span>${symbols(column.title)}</span><b></b></figcaption>
       <svg viewBox="0 0 ${width} ${height}" preserveAspectRatio="none"><rect width="${width}" height="${height}" fill="#f3f5f8"/>
       ${zero}${lines.join("")}<line class="now" y1="0" y2="${height}" stroke="#d55e00" stroke-width="1.5"/></svg>
-      <div class="hint">range ${short(least)} to ${short(greatest)}${this.mean(column.name)}</div>`;
+      <div class="hint">range ${short(least)} to ${short(greatest)}${cut}${this.mean(column.name)}</div>`;
     const picture = figure.querySelector("svg");
     picture.addEventListener("click", (event) => {
       const box = picture.getBoundingClientRect();
@@ -105,7 +106,8 @@ class Charts {
       const means = this.curves[n].means, mean = means?.means[name];
       if (!mean || mean.value === null) return "";
       const interval = mean.low === null ? "" : ` (${short(mean.low)} to ${short(mean.high)})`;
-      return `<br>mean from t = ${short(means.start)} on: ${short(mean.value)}${interval}`;
+      const colour = this.curves.length > 1 ? colourOf(n) : "inherit";
+      return `<br><span style="color:${colour}">mean from t = ${short(means.start)} on: ${short(mean.value)}${interval}</span>`;
     }).join("");
   }
 
@@ -114,11 +116,12 @@ class Charts {
     for (const { name, now, value } of this.charts) {
       now.setAttribute("x1", x);
       now.setAttribute("x2", x);
-      value.textContent = this.shown.length > MOST_VALUES ? "" : this.shown.map((n) => {
+      value.innerHTML = this.shown.length > MOST_VALUES ? "" : this.shown.map((n) => {
         const { table } = this.curves[n], times = table.time;
         let best = 0;
         for (let n = 0; n < times.length; n++) if (Math.abs(times[n] - time) < Math.abs(times[best] - time)) best = n;
-        return short((table[name] ?? [null])[best] ?? null);
+        const now = short((table[name] ?? [null])[best] ?? null);
+        return this.curves.length > 1 ? `<span style="color:${colourOf(n)}">${now}</span>` : now;
       }).join(" | ");
     }
   }

@@ -2,6 +2,8 @@
 // what is told in words: events, the history of a cell, the scene
 
 const LATEST = 12; // events that are listed
+// words whose symbols, such as χ_H and R_c, get their indices
+const symbols = (text) => clean(text).replace(/([χR])_(\w)\b/g, "$1<sub>$2</sub>");
 const clean = (text) => String(text).replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
 
 function table(heads, rows, numbers = []) {

@@ -29,17 +29,19 @@ class Answer {
     const keys = Object.keys(points[0].drawn), word = (value) => (typeof value === "number" ? short(value) : value);
     const rows = points.map((point, n) => `<tr><td>${clean(point.name)}</td>
       ${keys.map((key) => `<td class="number">${clean(word(point.drawn[key]))}</td>`).join("")}<td class="number">${point.done}</td>
-      ${shown.map(({ name }) => `<td data-column="${name}">${interval(means[name][n], scales.get(name))}</td>`).join("")}</tr>`);
+      ${shown.map(({ name }) => `<td data-column="${name}">${interval(means[name][n], scales.get(name), point.done)}</td>`).join("")}</tr>`);
     const heads = ["point", ...keys, "seeds", ...shown.map(({ title }) => title)];
-    return `<table class="answer"><tr>${heads.map((head) => `<th>${clean(head)}</th>`).join("")}</tr>${rows.join("")}</table>`;
+    return `<table class="answer"><tr>${heads.map((head) => `<th>${symbols(head)}</th>`).join("")}</tr>${rows.join("")}</table>`;
   }
 }
 
-function interval([value, low, high], [least, greatest]) {
+// a mean with its interval; where it is not that of all seeds, of how many
+function interval([value, low, high, seeds], [least, greatest], done) {
   if (value === null) return "–";
+  const part = seeds < done ? `, ${seeds} of ${done} seeds` : "";
   const share = (end) => (100 * (end - least) / (greatest - least || 1)).toFixed(1);
   const known = low !== null, [from, to] = known ? [low, high] : [value, value];
-  return `${short(value)}${known ? ` <span>(${short(low)} to ${short(high)})</span>` : ""}
+  return `${short(value)}${known ? ` <span>(${short(low)} to ${short(high)}${part})</span>` : part && `<span>(${part.slice(2)})</span>`}
     <i><u style="left:${share(from)}%;right:${100 - share(to)}%"></u><b style="left:${share(value)}%"></b></i>`;
 }
 

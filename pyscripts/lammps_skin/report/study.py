@@ -25,6 +25,7 @@ from lammps_skin.trajectory.store import STORE
 
 MOST_CURVES = 24  # points whose time courses are drawn
 DIGITS = 4
+UNDEFINED = (np.nan, np.nan, np.nan, 0)
 
 
 def is_study(folder: Path) -> bool:
@@ -167,13 +168,18 @@ def _told(tables: StudyTables, kept: dict[str, Any], most: int) -> dict[str, Any
 
 
 def _curve(label: str, table: Table, columns: Sequence[dict[str, str]]) -> dict[str, Any]:
-    """Means of a point over time, with the ends of their intervals."""
+    """Means of a point over time, with the ends of their intervals.
+
+    Where less than half of the seeds have a value there is none: means are of most of them.
+    """
     times = np.unique(table["time"])
     found: dict[str, dict[str, list[float]]] = {part: {} for part in ("table", "low", "high")}
     found["table"]["time"] = times.tolist()
     for one in columns:
         name = one["name"]
         means = [_digits(mean_of(table[name][table["time"] == time], name)) for time in times]
+        most = max(mean[-1] for mean in means)
+        means = [mean if 2 * mean[-1] >= most else UNDEFINED for mean in means]
         for n, part in enumerate(("table", "low", "high")):
             found[part][name] = [mean[n] for mean in means]
     return {
