@@ -31,7 +31,8 @@ endef
 row = $(eval $(call ensemble,$(1),$(2),$(3),$(4)))
 
 $(call row,,$(QUARTER),1-8,)
-$(call row,,$(SCENES:%=paper-%),1,)
+$(call row,,paper-ring paper-random,1-2,)
+$(call row,,$(patsubst %,paper-%,cluster nd-a nd-b nd-c nd-d),1,)
 
 # the readings of docs/readings.md; that of the default is above
 FIFTEEN := --set cells.generations=15
