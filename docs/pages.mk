@@ -37,7 +37,7 @@ $(call row,,$(patsubst %,paper-%,cluster nd-a nd-b nd-c nd-d),1,)
 # the readings of docs/readings.md; that of the default is above
 FIFTEEN := --set cells.generations=15
 ENDLESS := --set cells.generations=endless
-$(call row,readings/papilla-10/,$(QUARTER),1-8,--parameters papilla)
+$(call row,readings/papilla-10/,$(THREE),1-8,--parameters papilla)
 $(call row,readings/weak5-10/,$(THREE),1-8,--parameters weak5)
 $(call row,readings/direct5-10/,$(THREE),1-8,--parameters direct5)
 $(call row,readings/earlier-15/,$(QUARTER),1-8,--parameters earlier $(FIFTEEN))
