@@ -18,6 +18,13 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
 os.environ.setdefault("MPIR_CVAR_CH4_PROGRESS_THROTTLE", "1")
 
 
+def pytest_xdist_auto_num_workers() -> int | None:
+    """One process more than there are cores: tests that wait for files or processes use none."""
+    from lammps_skin.engine.machine import cores
+
+    return None if "PYTEST_XDIST_AUTO_NUM_WORKERS" in os.environ else cores() + 1
+
+
 LONGEST = ("tests/test_readme.py", "tests/test_tutorial.py", "tests/study/studies/test_killed.py")
 
 

@@ -20,7 +20,7 @@ from tests.study.studies.processes import SKIN, TIMEOUT, cluster, process, runni
 
 LONG = """
     [set]
-    end_time = 20.0
+    end_time = 10.0
     cells.generations = 1
     output.checkpoint_interval = 1.0
     [grid]
