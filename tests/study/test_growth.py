@@ -44,6 +44,12 @@ def test_there_is_no_more_than_there_is_room(strength):
     assert expected({"nd": 10_000}, **changed)[0] == pytest.approx(10_000)
 
 
+def test_adhesive_cells_that_stay_need_no_room():
+    """Not even if there is none that detaches."""
+    changed = {"cells.kinds.nd": {"adhesion": "adhesive", "detaches": False}}
+    assert expected({"nd": 10_000}, **changed)[0] == pytest.approx(10_000)
+
+
 def test_generations_end():
     """Of one TA cell come 2^M cells that no longer divide; a stem cell goes on."""
     cells, divisions = expected({"ta": 8}, **{"cells.generations": 2})

@@ -139,7 +139,7 @@ def _crowded(cohorts: list[Cohort], table: Mapping[str, CellKind], area: float) 
     staying = sum(one.number for one in cohorts) - sum(numbers)
     adhesive = [one for one in cohorts if table[one.label].adhesion == "adhesive"]
     weights = [one.number for one in adhesive]
-    if not sum(weights):
+    if not sum(weights) or not sum(numbers):
         return cohorts
     strength = np.average([table[one.label].stiffness for one in adhesive], weights=weights)
     room = area * float(np.interp(strength, [*CROWDED], [*CROWDED.values()]))
