@@ -172,11 +172,11 @@ $(call asked,adhesion,stem nd $(STEM) $(ND) coverage none_below skewness papilla
 $(call asked,finite-size,$(STEM) $(TISSUE) papilla_spacing papilla_width cell_area chi_G sigma,papilla_spacing height_std skewness none_below zeta $(TIPS),400-600)
 
 NINE := chi_H chi_G zeta skewness papillae height_std none_below coverage $(TIPS)
-MADE += docs/data/studies/sensitivity/table.parquet docs/figures/studies/sensitivity.png
-docs/data/studies/sensitivity/table.parquet: $(INSTALLED)
+MADE += docs/data/studies/sensitivity/courses.parquet docs/figures/studies/sensitivity.png
+docs/data/studies/sensitivity/courses.parquet: $(INSTALLED)
 	$(SKIN) study run sensitivity -o $(RUNS)/studies/sensitivity
 	$(BIN)/python docs/pages.py columns $(RUNS)/studies/sensitivity/$(@F) $(@D) $(subst -, ,$(NINE))
-docs/figures/studies/sensitivity.png: docs/data/studies/sensitivity/table.parquet
+docs/figures/studies/sensitivity.png: docs/data/studies/sensitivity/courses.parquet
 	$(BIN)/python docs/pages.py effects sensitivity $(<D) $@ $(call LIST,$(NINE))
 	$(REDUCED) $@
 

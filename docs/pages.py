@@ -85,12 +85,15 @@ def effects(study: str, folder: str, path: str, names: str) -> None:
     from lammps_skin.figures.snapshot import save
     from lammps_skin.study.studies.design import Design
     from lammps_skin.study.studies.sensitivity import draw, effects, sensitivities
-    from lammps_skin.study.studies.tables import read_means
+    from lammps_skin.study.studies.tables import read_courses
 
     design = Design.load(Path(study))
-    found = sensitivities(design, read_means(Path(folder)), names.split(","))
-    save(draw(design, found), path)
-    print("\n".join(effects(design, found)))
+    sample, labels = design.sample, [point.label for point in design.points]
+    assert sample
+    courses = read_courses(Path(folder))
+    found = sensitivities(sample, labels, courses, names.split(","), design.windows[-1])
+    save(draw(sample, found), path)
+    print("\n".join(effects(sample, found)))
 
 
 def join(path: str, *tables: str) -> None:

@@ -13,7 +13,8 @@ from lammps_skin.report.page import report_study
 from lammps_skin.report.study import MOST_CURVES, StudyTables, study_pages
 from lammps_skin.study.studies.answer import answers
 from lammps_skin.study.studies.runs import Study
-from lammps_skin.study.studies.tables import read_courses, read_means, write_tables
+from lammps_skin.study.studies.sensitivity import sensitivities
+from lammps_skin.study.studies.tables import read_courses, write_tables
 
 from tests.report.browser import Browser
 from tests.study.studies.conftest import made
@@ -53,7 +54,7 @@ def test_answer_curves_and_runs(study: Study, browser: Browser, tmp_path: Path) 
     for window in study.design.windows:
         browser.choose("window", str(window))
         for n, one in enumerate(
-            one for one in answers(study.design, read_means(study.folder), ["coverage"])
+            one for one in answers(study.design, read_courses(study.folder), ["coverage"])
             if one.window == window
         ):  # fmt: skip
             told = texts(browser, "details[open] .answer td[data-column=coverage]")[n]
@@ -138,16 +139,26 @@ def test_a_sample_has_its_values_and_wide_bands_leave_the_chart(
     browser: Browser, tmp_path: Path
 ) -> None:
     """The means of all seeds fill a third of the chart, and it is said how far intervals reach."""
-    end = "[sample]\nmethod = 'latin'\nn = 2\n[sample.ranges]\ncells.radius = [1.2, 1.4]\n"
+    end = "[sample]\nmethod = 'morris'\nn = 2\n[sample.ranges]\ncells.radius = [1.2, 1.4]\n"
     asked = made(tmp_path, end=end)
     for run in asked.runs:
         run.run()
     write_tables(asked)
     browser.errors.clear()
     browser.open(report_study(asked.folder, tmp_path / "study.html").as_uri())
+    sample, labels = asked.design.sample, [point.label for point in asked.design.points]
+    assert sample
     rows = texts(browser, "details[open] .answer tr")[1:]
     for row, point in zip(rows, asked.design.points, strict=True):
         assert row.split("\t")[:2] == [point.label, f"{point.values['cells.radius']:.3g}"]
+    keys, values = (
+        texts(browser, f"#indices td{one}") for one in (":first-child", "[class=number]")
+    )
+    assert keys == ["cells.radius"] * 3  # mu*, mu, sigma
+    (effect,) = sensitivities(
+        sample, labels, read_courses(asked.folder), ["ta"], asked.design.windows[-1]
+    )
+    assert f"{effect.values[0][0]:.3g} ± {effect.values[0][1]:.3g}" in values
     low, high = browser.value("""(() => {
       const lines = [...document.querySelectorAll('figure[data-column=ta] path:not(.band)')];
       const places = lines.flatMap((line) => line.getAttribute('d').match(/,[-0-9.]+/g));

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.lib import recfunctions
 from numpy.typing import NDArray
 
 from lammps_skin.analysis.coverage import count_by_kind
@@ -80,14 +79,6 @@ def least(column: str) -> float:
         return 0.0
     signed = LESS in column or column.startswith(SIGNED) or column.endswith("_tips_z")
     return -np.inf if signed else 0.0
-
-
-def with_difference(table: Table, name: str) -> Table:
-    """The table with one more column, ``A-B`` of its columns A and B."""
-    one, _, other = name.partition(LESS)
-    new = (table[one] - table[other]).view([(name, float)])
-    together: Table = recfunctions.merge_arrays([table, new], flatten=True)
-    return together
 
 
 class Observables(StateAnalysis):

@@ -37,7 +37,10 @@ def compare(
     ] = None,
     windows: Annotated[
         str | None,
-        typer.Option(metavar="A-B,...", help="Times to average over [default: two of the run]."),
+        typer.Option(
+            metavar="A-B,...",
+            help="Times to average over [default: those of the study, or two of the run].",
+        ),
     ] = None,
     output: Annotated[
         list[Path] | None,
@@ -62,9 +65,8 @@ def compare(
     from lammps_skin.figures.snapshot import check_output
     from lammps_skin.study.claims.report import check_names
     from lammps_skin.study.compare.comparison import usual_columns
-    from lammps_skin.study.compare.conditions import read
+    from lammps_skin.study.compare.conditions import read, windows_of_all
     from lammps_skin.study.compare.report import FORMATS, Report, table, write
-    from lammps_skin.study.ranges import windows_of
 
     check_names(output or [], FORMATS)
     if against is not None and plot is None:
@@ -76,9 +78,9 @@ def compare(
     of_a_key = against is not None and against != CONDITION
     places = {one.name: one.value_of(str(against)) for one in found} if of_a_key else {}
     names = usual_columns(found) if columns is None else columns.split(",")
-    found = [one.with_columns(names) for one in found]
-    times = windows_of(windows, min(one.end for one in found))
-    report = Report.of(found, names, times)
+    for one in found:
+        one.check(names)
+    report = Report.of(found, names, windows_of_all(found, windows))
     for line in report.settings:
         console.print(line)
     print_table(*table(report.rows), whole=range(9))

@@ -11,6 +11,7 @@ from rich.table import Table
 
 from lammps_skin.errors import printable
 
+GAP = 2  # between the columns of a table
 WIDEST = 200  # of tables that do not fold, also where the terminal is narrower
 
 
@@ -61,6 +62,23 @@ def print_table(
         table.width = Measurement.get(console, console.options.update(width=WIDEST), table).maximum
     console.print()
     console.print(table)
+
+
+def print_parts(heads: Sequence[str], rows: Sequence[Sequence[str]], repeated: int) -> None:
+    """Print a table as some below each other, none wider than the terminal, if that is possible.
+
+    Cells are not broken. The first columns, as many as `repeated`, are in each of them.
+    """
+    widths = [max(map(len, column)) + GAP for column in zip(heads, *rows, strict=True)]
+    room = console.width + GAP - sum(widths[:repeated])
+    parts: list[list[int]] = [[]]
+    for n in range(repeated, len(heads)):
+        if parts[-1] and sum(widths[one] for one in parts[-1]) + widths[n] > room:
+            parts.append([])
+        parts[-1].append(n)
+    for part in parts:
+        chosen = [*range(repeated), *part]
+        print_table([heads[n] for n in chosen], [[row[n] for n in chosen] for row in rows])
 
 
 def counted(number: int, what: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import sys
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,15 +14,17 @@ from typer.core import TyperGroup
 
 from lammps_skin.cli.ensemble import FAILED, INTERRUPTED, run_members
 from lammps_skin.cli.options import Jobs, Scheduler
-from lammps_skin.cli.output import console, counted, duration, print_table
+from lammps_skin.cli.output import console, counted, duration, print_parts, print_table
 from lammps_skin.errors import SceneError
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene_keys import near
 
 if TYPE_CHECKING:
+    from lammps_skin.analysis.observables import Table
     from lammps_skin.analysis.statistics import Mean
     from lammps_skin.study.ensemble import Member
     from lammps_skin.study.studies.runs import Study
+    from lammps_skin.study.studies.sensitivity import Sensitivity
 
 
 class RunByDefault(TyperGroup):
@@ -61,7 +63,7 @@ Quick = Annotated[
 ]
 Columns = Annotated[
     str | None,
-    typer.Option(metavar="NAMES", help="Observables, such as zeta,chi_H-chi_H_nd."),
+    typer.Option(metavar="NAMES", help="Observables, such as zeta,chi_H-chi_H_nd,'coverage>0.9'."),
 ]
 
 
@@ -220,24 +222,28 @@ def show(
     from lammps_skin.study.studies.answer import answers
     from lammps_skin.study.studies.sensitivity import has_indices
 
-    asked, means, wanted = _answered(file, output, columns, quick)
-    if has_indices(asked.design):
-        _show_sensitivity(asked, means, wanted)
+    asked, courses, wanted = _answered(file, output, columns, quick)
+    if has_indices(asked.design.sample):
+        for one in _sensitivities(asked, courses, wanted):
+            _show_sensitivity(asked, one)
         return
-    found = answers(asked.design, means, wanted)
+    found = answers(asked.design, courses, wanted)
     for window in asked.design.windows:
         console.print(f"t = {window}:")
         cells = {(one.point, one.column): one.mean for one in found if one.window == window}
-        print_table(
+        print_parts(
             ["point", "seeds", *wanted],
             [
                 (point.label, str(max(cells[point.label, column].n for column in wanted)),
                  *(_shown(cells[point.label, column]) for column in wanted))
                 for point in asked.design.points
             ],
-            fold=True, whole=[0],
+            repeated=2,
         )  # fmt: skip
         console.print()
+    if lost := len(asked.missing()):
+        of_all = counted(len(asked.runs), "run")
+        console.print(f"{lost} of {of_all} are not in it: skin study status tells why")
 
 
 @study.command()
@@ -263,18 +269,17 @@ def plot(
     """Draw means with 95 % intervals over time, or against what is varied; or sensitivities."""
     from lammps_skin.figures.snapshot import save
     from lammps_skin.study.studies import answer, sensitivity
-    from lammps_skin.study.studies.tables import read_courses
 
-    asked, means, wanted = _answered(file, output, columns, quick)
+    asked, courses, wanted = _answered(file, output, columns, quick)
     axis = answer.against_of(asked.design, against)
-    if against is None and sensitivity.has_indices(asked.design):
-        found = sensitivity.sensitivities(asked.design, means, wanted)
-        figure = sensitivity.draw(asked.design, found)
+    sample = asked.design.sample
+    if against is None and sample and sensitivity.has_indices(sample):
+        figure = sensitivity.draw(sample, _sensitivities(asked, courses, wanted))
     elif axis == answer.TIME:
-        figure = answer.draw_over_time(read_courses(asked.folder), wanted)
+        figure = answer.draw_over_time(courses, wanted)
     else:
         window = asked.design.windows[-1]
-        figure = answer.draw_against(asked.design, means, wanted, axis, window)
+        figure = answer.draw_against(asked.design, courses, wanted, axis, window)
     console.print(str(save(figure, picture or asked.folder / f"{asked.design.name}.png")))
 
 
@@ -292,10 +297,10 @@ def opened(file: Path, output: Path | None, quick: bool = False) -> Study:
 
 def _answered(
     file: Path, output: Path | None, columns: str | None, quick: bool
-) -> tuple[Study, Any, list[str]]:
-    """A study whose tables are up to date, its means, and the columns that are wanted."""
+) -> tuple[Study, dict[str, Table], list[str]]:
+    """A study whose tables are up to date, its time courses, and the columns that are wanted."""
     from lammps_skin.study.studies.answer import SHOWN, check_columns
-    from lammps_skin.study.studies.tables import observables_of, read_means, write_tables
+    from lammps_skin.study.studies.tables import observables_of, read_courses, write_tables
 
     asked = opened(file, output, quick)
     wanted = ["".join(word.split()) for word in columns.split(",")] if columns else list(SHOWN)
@@ -304,28 +309,35 @@ def _answered(
         raise SceneError(f"study {file}: no run is done in {asked.folder}")
     asked.write_design()
     write_tables(asked)
-    return asked, read_means(asked.folder), wanted
+    return asked, read_courses(asked.folder), wanted
 
 
-def _show_sensitivity(asked: Study, means: Any, wanted: list[str]) -> None:
+def _sensitivities(
+    asked: Study, courses: Mapping[str, Table], wanted: list[str]
+) -> list[Sensitivity]:
     """Indices of Morris or Sobol in the last window."""
     from lammps_skin.study.studies.sensitivity import sensitivities
 
-    sample = asked.design.sample
-    assert sample
-    console.print(f"t = {asked.design.windows[-1]}:")
-    for one in sensitivities(asked.design, means, wanted):
-        console.print()
-        if not len(one.values):
-            console.print(f"sensitivity of {one.what}: not all points have a value")
-            continue
-        console.print(f"sensitivity of {one.what}:")
-        print_table(
-            ["key", *one.heads],
-            [(key, *(f"{x:.3g}" for x in row))
-             for key, row in zip(sample.ranges, one.values.tolist(), strict=True)],
-            right=True,
-        )  # fmt: skip
+    design = asked.design
+    assert design.sample
+    labels = [point.label for point in design.points]
+    return sensitivities(design.sample, labels, courses, wanted, design.windows[-1])
+
+
+def _show_sensitivity(asked: Study, one: Sensitivity) -> None:
+    """Indices of one observable, a row for each key."""
+    design = asked.design
+    assert design.sample
+    console.print(f"sensitivity of {one.what}, t = {design.windows[-1]}:")
+    if not len(one.values):
+        console.print("not all points have a value")
+    print_table(
+        ["key", *one.heads],
+        [(key, *(f"{x:.3g}" for x in row))
+         for key, row in zip(design.sample.ranges, one.values.tolist(), strict=False)],
+        right=True,
+    )  # fmt: skip
+    console.print()
 
 
 def _shown(mean: Mean) -> str:

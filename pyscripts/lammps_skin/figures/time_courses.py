@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from lammps_skin.analysis.derived import parts
 from lammps_skin.analysis.labels import SYMBOLS, TIME, label
 from lammps_skin.analysis.observables import Table
 from lammps_skin.errors import FigureError
@@ -34,7 +35,7 @@ def draw_course(axes: Axes, table: Table, column: str, unit: float = 1.0, **styl
     Where less than half of the seeds have a value there is neither. The unit is that of time.
     """
     names = table.dtype.names or ()
-    for name in ("seed", "time", column):
+    for name in ("seed", "time", *parts(column)):
         if name not in names:
             raise FigureError(f"table: has no column {name!r}; it has {', '.join(names)}")
     times, means = over_time(table, column)

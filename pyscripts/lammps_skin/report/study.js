@@ -9,13 +9,25 @@ class Answer {
     choice.addEventListener("input", () => this.show());
     const groups = new Set(study.columns.map((column) => column.group));
     host.innerHTML = [...groups].map((group, n) => `<details data-group="${group}" ${n ? "" : "open"}>
-      <summary>${group}</summary><div class="wide"></div></details>`).join("");
+      <summary>${group}</summary><div class="wide"></div></details>`).join("")
+      + (study.indices.length ? `<details id="indices" open><summary>What they are sensitive to</summary><div class="wide"></div></details>` : "");
     this.show();
   }
 
   show() {
     for (const box of this.host.children)
-      box.lastElementChild.innerHTML = this.table(this.study.columns.filter(({ group }) => group === box.dataset.group));
+      box.lastElementChild.innerHTML = box.dataset.group === undefined ? this.indices()
+        : this.table(this.study.columns.filter(({ group }) => group === box.dataset.group));
+  }
+
+  // of a sample of Morris or Sobol: a row for each key, a column for each observable
+  indices() {
+    return this.study.indices.filter(({ window }) => window === this.choice.value).map(({ title, keys, columns, values }) => {
+      const rows = keys.map((key, n) => `<tr><td>${clean(key)}</td>${values.length ? values[n].map((value) =>
+        `<td class="number">${value.map(short).join(" ± ")}</td>`).join("") : ""}</tr>`);
+      return `<table><tr>${[title, ...columns].map((head) => `<th>${clean(head)}</th>`).join("")}</tr>
+        ${rows.join("")}</table>`;
+    }).join("");
   }
 
   // a row for each point; a bar below each mean is its interval, on the scale of its column

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lammps_skin.analysis.observables import LESS, Table
+from lammps_skin.analysis.derived import average, course, parts
+from lammps_skin.analysis.observables import Table
 from lammps_skin.analysis.observables import columns as observed
 from lammps_skin.analysis.statistics import Mean
 from lammps_skin.analysis.summary import without_nan
@@ -18,14 +19,23 @@ from lammps_skin.errors import SkinError
 from lammps_skin.model.scene import Scene
 from lammps_skin.report.record import Record, record
 from lammps_skin.report.words import titles
-from lammps_skin.study.studies.answer import SHOWN, mean_of, value_of_column
+from lammps_skin.study.ranges import Window
+from lammps_skin.study.studies.answer import SHOWN
 from lammps_skin.study.studies.runs import DESIGN
-from lammps_skin.study.studies.tables import MEANS, read_courses, read_means
+from lammps_skin.study.studies.sensitivity import has_indices, sensitivities
+from lammps_skin.study.studies.tables import MEANS, read_courses, read_means, read_sample
 from lammps_skin.trajectory.store import STORE
 
 MOST_CURVES = 24  # points whose time courses are drawn
 DIGITS = 4
 UNDEFINED = (np.nan, np.nan, np.nan, 0)
+INDICES = {  # of a sample, and what they are
+    "morris": {
+        "mu_star": "mean absolute effect (mu*)", "mu": "mean effect (mu)",
+        "sigma": "standard deviation of effects (sigma)",
+    },
+    "sobol": {"first": "first-order index of Sobol", "total": "total index of Sobol"},
+}  # fmt: skip
 
 
 def is_study(folder: Path) -> bool:
@@ -68,7 +78,7 @@ class StudyTables:
     def mean(self, label: str, window: str, column: str) -> Mean:
         """Mean over the seeds of a point in a window."""
         mine = (self._point == label) & (self._window == window)
-        return mean_of(value_of_column(self.means, column)[mine], column)
+        return average(course(self.means, column)[mine], column)
 
     def drawn(self, label: str) -> dict[str, Any]:
         """Keys and values of a point of a sample; of others the label has them."""
@@ -135,7 +145,7 @@ def _told(tables: StudyTables, kept: dict[str, Any], most: int) -> dict[str, Any
     known = {one["name"] for one in columns}
     first = [
         {**one, "group": "At a glance"}
-        for one in titles(SHOWN) if known.issuperset(one["name"].split(LESS))
+        for one in titles(SHOWN) if known.issuperset(parts(one["name"]))
     ]  # fmt: skip
     wanted = list(dict.fromkeys(one["name"] for one in (*first, *columns)))
     means = {
@@ -157,6 +167,7 @@ def _told(tables: StudyTables, kept: dict[str, Any], most: int) -> dict[str, Any
         "windows": tables.windows,
         "columns": [*first, *columns],
         "means": means,
+        "indices": list(_indices(tables, courses, [one["name"] for one in first])),
         "curves": [
             _curve(label, courses[label], columns)
             for label in tables.labels[:MOST_CURVES] if label in courses
@@ -165,6 +176,30 @@ def _told(tables: StudyTables, kept: dict[str, Any], most: int) -> dict[str, Any
         "remarks": list(_remarks(tables, kept, most)),
         "file": _design(tables.folder),
     }  # fmt: skip
+
+
+def _indices(
+    tables: StudyTables, courses: Mapping[str, Table], wanted: Sequence[str]
+) -> Iterator[dict[str, Any]]:
+    """What a sample of Morris or Sobol tells in each window: of each key, of each column."""
+    sample = read_sample(tables.folder)
+    if not sample or not has_indices(sample):
+        return
+    for window in tables.windows:
+        span = Window(*(float(end) for end in window.split("-")))
+        found = sensitivities(sample, tables.labels, courses, wanted, span)
+        known = [one for one in found if len(one.values)]
+        for head in INDICES[sample.method]:
+            yield {
+                "window": window, "title": INDICES[sample.method][head],
+                "keys": list(sample.ranges), "columns": [one.title for one in known],
+                "values": [
+                    [[float(f"{row[one.heads.index(name)]:.{DIGITS}g}")
+                      for name in (head, f"{head}_error") if name in one.heads]
+                     for one, row in zip(known, rows, strict=True)]
+                    for rows in zip(*(one.values for one in known), strict=True)
+                ],
+            }  # fmt: skip
 
 
 def _curve(label: str, table: Table, columns: Sequence[dict[str, str]]) -> dict[str, Any]:
@@ -177,7 +212,7 @@ def _curve(label: str, table: Table, columns: Sequence[dict[str, str]]) -> dict[
     found["table"]["time"] = times.tolist()
     for one in columns:
         name = one["name"]
-        means = [_digits(mean_of(table[name][table["time"] == time], name)) for time in times]
+        means = [_digits(average(table[name][table["time"] == time], name)) for time in times]
         most = max(mean[-1] for mean in means)
         means = [mean if 2 * mean[-1] >= most else UNDEFINED for mean in means]
         for n, part in enumerate(("table", "low", "high")):

@@ -24,15 +24,9 @@ import numpy as np
 from numpy.lib import recfunctions
 
 from lammps_skin.analysis import observables
-from lammps_skin.analysis.observables import (
-    Table,
-    is_fraction,
-    least,
-    open_run,
-    read_table,
-    write_table,
-)
-from lammps_skin.analysis.statistics import Mean, mean
+from lammps_skin.analysis.derived import average, course
+from lammps_skin.analysis.observables import Table, open_run, read_table, write_table
+from lammps_skin.analysis.statistics import Mean
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.model.scene import Scene
@@ -311,12 +305,10 @@ def window_means(table: Table, column: str, start: float, end: float) -> Floats:
 
 def window_mean(table: Table, column: str, start: float, end: float) -> Mean:
     """Mean over seeds of the means over a window, with standard error and 95 % interval (t)."""
-    means = window_means(table, column, start, end)
-    return mean(means, fraction=is_fraction(column), least=least(column))
+    return average(window_means(table, column, start, end), column)
 
 
 def over_time(table: Table, column: str) -> tuple[Floats, list[Mean]]:
     """Mean over seeds at every time (t,), with standard error and 95 % interval."""
-    times = np.unique(table["time"])
-    limits: dict[str, Any] = {"fraction": is_fraction(column), "least": least(column)}
-    return times, [mean(table[column][table["time"] == t], **limits) for t in times]
+    times, values = np.unique(table["time"]), course(table, column)
+    return times, [average(values[table["time"] == time], column) for time in times]

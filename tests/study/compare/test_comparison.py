@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lammps_skin.analysis.derived import course
 from lammps_skin.analysis.statistics import first_time, holm, seeds_needed
 from lammps_skin.errors import SkinError
 from lammps_skin.study.compare.comparison import (
@@ -143,13 +144,15 @@ def test_correction_for_many_tests() -> None:
 def test_columns_and_windows() -> None:
     one, other = condition("one", [1, 2]), condition("other", [1, 2])
     assert usual_columns([one, other]) == ["zeta"]
-    with pytest.raises(SkinError, match=r"column 'zetta': one .* did you mean zeta\?"):
-        one.with_columns(["zetta"])
+    with pytest.raises(SkinError, match=r"--columns zetta: one .* did you mean zeta\?"):
+        one.check(["zeta", "zetta"])
     with pytest.raises(SkinError, match="have no values in t = 200-300"):
         compare([one, other], ["zeta"], [Window(200, 300)])
-    doubled = one.with_columns(["zeta-zeta"])
-    assert not doubled.table["zeta-zeta"].any()
-    assert doubled.table["zeta-zeta"].shape == one.table.shape
+    with pytest.raises(SkinError, match="'zeta-zeta-zeta' must be the difference of two"):
+        one.check(["zeta-zeta-zeta"])
+    one.check(["zeta-zeta", "zeta-zeta>0.5"])
+    nothing = course(one.table, "zeta-zeta")
+    assert not nothing.any() and nothing.shape == one.table.shape
 
 
 def test_when_a_level_is_reached() -> None:
@@ -170,5 +173,5 @@ def test_when_a_level_is_reached() -> None:
     rows = compare([one, flat], ["zeta>1.5"], [Window(20, 98)])
     assert [(row.value.value, row.value.n) for row in rows] == [(55.0, 1), (55.0, 1)]
     assert "zeta>1.5: a run that never comes to the level" in " ".join(remarks([one, flat], rows))
-    with pytest.raises(SkinError, match="'zeta>high': 'high' must be a number"):
-        one.with_columns(["zeta>high"])
+    with pytest.raises(SkinError, match=r"zeta>high: one .*: 'high' must be a number"):
+        one.check(["zeta>high"])

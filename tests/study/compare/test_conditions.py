@@ -134,7 +134,7 @@ def test_names(ensembles: Path) -> None:
         (["one", "one"], "condition one/small: there are two of this name"),
         (["one", "nowhere"], "nowhere: is no run directory, no folder of an ensemble or a study"),
         (["a=one", "b=two", "--columns", "zita"], "did you mean zeta?"),
-        (["a=one", "b=two", "--columns", "coverage-zeta"], "has no column 'coverage'"),
+        (["a=one", "b=two", "--columns", "coverage-zeta"], "there is no column coverage"),
         (["a=one", "b=two", "--windows", "50-500"], "--windows 50-500: 50-500 must be"),
         (["a=one", "b=two", "-o", "c.txt"], "must end in one of .md, .csv, .json"),
         (["a=one", "b=two", "--plot", "c.txt"], "output c.txt: its suffix must be one of"),

@@ -27,22 +27,28 @@ def morris(study: Callable[..., Study]) -> Study:
 
 def test_effects_of_each_condition(morris: Study) -> None:
     """zeta = 2 R_c in one condition, and -R_c in the other, of which a column lacks a value."""
-    design = morris.design
-    assert has_indices(design)
+    design, sample = morris.design, morris.design.sample
+    assert sample
+    assert has_indices(sample)
     radius = np.array([point.values["cells.radius"] for point in design.points])
     zeta = np.where([point.condition == "a" for point in design.points], 2 * radius, -radius)
     labels = [point.label for point in design.points]
-    means = {"point": labels, "window": [str(design.windows[-1])] * len(labels), "zeta": zeta}
-    means["sigma"] = np.where(np.arange(len(labels)) == len(labels) - 1, np.nan, radius)
-    found = sensitivities(design, means, ["zeta", "sigma"])
+    sigma = np.where(np.arange(len(labels)) == len(labels) - 1, np.nan, radius)
+    kinds = [(name, float) for name in ("seed", "time", "zeta", "sigma")]
+    courses = {
+        label: np.array([(1.0, window.end, *values) for window in design.windows], kinds)
+        for label, *values in zip(labels, zeta, sigma, strict=True)
+    }
+    found = sensitivities(sample, labels, courses, ["zeta", "sigma"], design.windows[-1])
     assert [one.what for one in found] == ["a, zeta", "a, sigma", "b, zeta", "b, sigma"]
     heads = found[0].heads
     of_radius = [found[n].values[0, heads.index("mu")] for n in (0, 2)]
     np.testing.assert_allclose(of_radius, [2, -1], rtol=1e-6)
     np.testing.assert_allclose(found[0].values[1], 0, atol=1e-6)
     assert len(found[1].values) and not len(found[3].values)
-    table = effects(design, [found[0], found[2]])
+    table = effects(sample, [found[0], found[2]])
     assert table[0] == "| key | a, zeta | b, zeta |"
     assert table[2].startswith("| `cells.radius` | **2")
-    figure = draw(design, found)
-    assert [axes.get_title() for axes in figure.axes] == [one.what for one in found]
+    figure = draw(sample, found)
+    for axes, one in zip(figure.axes, found, strict=True):
+        assert axes.get_xlabel().split()[-1] == one.what.split(",")[0]  # the condition

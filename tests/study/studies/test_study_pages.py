@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from lammps_skin.study.studies.design import Design
 from lammps_skin.study.studies.sensitivity import effects, sensitivities
-from lammps_skin.study.studies.tables import read_means
+from lammps_skin.study.studies.tables import read_courses
 
 from tests.conftest import Answer
 from tests.pages import BY_NAME, ROOT, blocks, commands, text
@@ -55,11 +55,14 @@ def test_the_list_of_studies_leads_to_their_pages() -> None:
 def test_effects_of_the_page_on_sensitivity() -> None:
     """Its table is what the study's means tell."""
     design = Design.load(Path("sensitivity"))
-    found = read_means(ROOT / "docs" / "data" / "studies" / "sensitivity")
+    sample, labels = design.sample, [point.label for point in design.points]
+    assert sample
+    courses = read_courses(ROOT / "docs" / "data" / "studies" / "sensitivity")
     lines = text("studies/sensitivity.md").splitlines()
     head = next(line for line in lines if line.startswith("| key | chi_H |"))
     wanted = [cell.strip() for cell in head.strip("|").split("|")][1:]
-    told = effects(design, sensitivities(design, found, wanted))
+    found = sensitivities(sample, labels, courses, wanted, design.windows[-1])
+    told = effects(sample, found)
     assert len(told) == 2 + 14 and not [line for line in told if line not in lines]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import resource
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -95,11 +96,18 @@ def test_what_is_done_is_not_run_again(
         (of_run,) = activities(crate(run))
         assert {link["@id"] for link in of_run["result"]} == {"events.csv", "observables.csv"}
 
-    answer = skin("study", "show", "tiny.toml", "-o", "study", "--columns", "ta,stem-ta")
+    columns = "ta,stem-ta,height_std>0,births"
+    answer = skin("study", "show", "tiny.toml", "-o", "study", "--columns", columns)
     table = parquet.read_table(done.folder / "table.parquet").to_pandas()
     late = table[(table["window"] == "2-3") & (table["cells.generations"] == 3)]
     found = mean(late["ta"].to_numpy(), least=0.0)
     assert f"{found.value:.3g} [{found.low:.3g}, {found.high:.3g}]" in answer.out
+    assert max(map(len, answer.out.splitlines())) <= 80  # and no cell is broken
+    compared = skin("compare", "study", "--columns", columns)  # in the study's own windows
+    assert compared.code == 0 and "cells.generations=10: cells.generations = 10" in compared.out
+    told = {cell for line in answer.out.splitlines() for cell in re.split("  +", line.strip())}
+    only = {cell for cell in told if cell not in compared.out}
+    assert only <= {"point", "t = 0.5-1.5:", "t = 2-3:"}
     assert skin("study", "plot", "tiny.toml", "-o", "study", "--picture", "a.pdf").code == 0
     assert skin("study", "plot", "tiny.toml", "-o", "study", "--against", "time").code == 0
     assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
@@ -137,6 +145,8 @@ def test_a_failing_run_is_a_row(skin: Callable[..., Answer], study: Callable[...
     assert table["error"][2].count("after t = ") == 1
     assert str(found.folder) not in "".join(table["error"][1:])
     assert table["height_std"].isna().tolist() == [False, True, True, True]
+    answer = skin("study", "show", "tiny.toml", "-o", "study", "--columns", "ta")
+    assert answer.out.endswith("3 of 4 runs are not in it: skin study status tells why\n")
     answer = skin("study", "status", "tiny.toml", "-o", "study")
     assert "1 of 4 runs done" in answer.out and answer.out.count("failed: tiny-") == 3
     assert _attempt(second, False) is None  # once there is space

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lammps_skin.analysis.observables import is_fraction, least
+from lammps_skin.analysis.derived import average
 from lammps_skin.analysis.statistics import Mean, mean
 from lammps_skin.errors import SkinError
 from lammps_skin.files import atomic_write
@@ -144,7 +144,7 @@ def level(one: Ensemble, column: str, window: Window, other: str = "") -> Mean:
     values = one.mean(column, window)
     if other:
         return mean(values - one.mean(other, window))
-    return mean(values, fraction=is_fraction(column), least=least(column))
+    return average(values, column)
 
 
 def interval(value: Mean) -> str:

@@ -8,13 +8,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import ttest_1samp, ttest_ind
 
-from lammps_skin.analysis.observables import REACHES, is_fraction, least
+from lammps_skin.analysis.derived import COUNTS, average, course, parts, statistic
+from lammps_skin.analysis.observables import REACHES
 from lammps_skin.analysis.statistics import Mean, difference, holm, mean, seeds_needed
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SkinError
 from lammps_skin.study.compare.conditions import Condition
 from lammps_skin.study.ranges import Window
-from lammps_skin.study.tradeoff.bias import COUNTS, EFFECT, MEANS, statistic
+from lammps_skin.study.tradeoff.bias import EFFECT, MEANS
 
 ON_TIPS = ("stem_on_tips-stem_tips_expected", "nd_on_tips-nd_tips_expected")
 USUAL = (*MEANS, *ON_TIPS, *COUNTS)  # columns that are compared if none are named
@@ -75,10 +76,8 @@ def usual_columns(conditions: Sequence[Condition]) -> list[str]:
     return [
         name
         for name in USUAL
-        if all(set(name.split("-")) <= set(one.columns) for one in conditions)
-        and any(
-            not np.isnan(one.table[part]).all() for one in conditions for part in name.split("-")
-        )
+        if all(set(parts(name)) <= set(one.columns) for one in conditions)
+        and any(not np.isnan(course(one.table, name)).all() for one in conditions)
     ]
 
 
@@ -90,7 +89,7 @@ def compare(
     Parameters
     ----------
     conditions : sequence of Condition
-        With these columns, see `Condition.with_columns`.
+        With what these columns are made of, see `Condition.check`.
     columns : sequence of str
     windows : sequence of Window
         Columns that count events, births and deaths, are counted during each; of others the mean
@@ -121,9 +120,9 @@ def _rows(conditions: Sequence[Condition], column: str, window: Window) -> Itera
     if np.isnan([value for of_one in values for value in of_one.values()]).all():
         return
     for number, (one, by_seed) in enumerate(zip(conditions, values, strict=True)):
-        average = mean(_defined(by_seed), fraction=is_fraction(column), least=least(column))
+        value = average(_defined(by_seed), column)
         apart = contrast(by_seed, values[0]) if number else None
-        yield Row(column, window, one.name, average, apart)
+        yield Row(column, window, one.name, value, apart)
 
 
 def contrast(one: Mapping[int, float], other: Mapping[int, float]) -> Difference:

@@ -4,30 +4,22 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-import numpy as np
-
-from lammps_skin.analysis.observables import (
-    LESS,
-    REACHES,
-    Observables,
-    Table,
-    open_run,
-    read_table,
-    with_difference,
-)
+from lammps_skin.analysis.derived import fault
+from lammps_skin.analysis.observables import Observables, Table, open_run, read_table
+from lammps_skin.engine.built import SCENE_FILE
 from lammps_skin.errors import SceneError, SkinError
 from lammps_skin.model.scene import Scene
-from lammps_skin.model.scene_keys import near, value_of
+from lammps_skin.model.scene_keys import value_of
 from lammps_skin.run.results import TRAJECTORIES
 from lammps_skin.study.claims.tables import flat
 from lammps_skin.study.ensemble import by_seed, scene_of, with_seed
-from lammps_skin.study.studies.design import Design
-from lammps_skin.study.studies.runs import DESIGN
-from lammps_skin.study.studies.tables import COURSES, read_courses
+from lammps_skin.study.ranges import Window, windows_of
+from lammps_skin.study.studies.tables import COURSES, MEANS, read_courses, read_means
 
 TABLES = ".csv.gz"  # how the names of gathered tables end
 OF_A_RUN = re.compile(r"-(\d+)-[0-9a-f]+\.csv$")  # how the name of the table of one run ends
@@ -47,12 +39,15 @@ class Condition:
         What was run; None if that is not known.
     path : Path
         Of the run or of the table.
+    windows : tuple of Window
+        Of the study of which it is a point; none of others.
     """
 
     name: str
     table: Table
     scene: Scene | None
     path: Path
+    windows: tuple[Window, ...] = ()
 
     @cached_property
     def by_seed(self) -> Mapping[int, Table]:
@@ -85,36 +80,11 @@ class Condition:
             raise SceneError(f"{key} = {value!r} in {self.name}: must be a number")
         return float(value)
 
-    def with_columns(self, names: Iterable[str]) -> Condition:
-        """The condition with these columns; those named ``A-B`` are made.
-
-        Of ``A>LEVEL`` it is A. Raises `SkinError` for a column that there is not, and for a level
-        that is no number.
-        """
-        table = self.table
-        for name in names:
-            name, reaches, level = name.partition(REACHES)
-            if reaches and not _is_number(level):
-                raise SkinError(
-                    f"column '{name}{REACHES}{level}': {level!r} must be a number, the level that "
-                    f"{name} comes to"
-                )
-            for part in name.split(LESS):
-                if part not in self.columns or name.count(LESS) > 1:
-                    raise SkinError(
-                        f"column {name!r}: {self.name} ({self.path}) has no column "
-                        f"{part!r}{near(part, self.columns)}"
-                    )
-            if LESS in name:
-                table = with_difference(table, name)
-        return replace(self, table=table)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return bool(np.isfinite(float(text)))
-    except ValueError:
-        return False
+    def check(self, columns: Iterable[str]) -> None:
+        """Raise `SkinError` for a column that there is not, nor can be made of those there are."""
+        for column in columns:
+            if wrong := fault(column, self.columns):
+                raise SkinError(f"--columns {column}: {self.name} ({self.path}): {wrong}")
 
 
 def read(sources: Sequence[str]) -> list[Condition]:
@@ -175,9 +145,9 @@ def _read(path: Path) -> Iterator[Condition]:
             table: Table = Observables(run.universe, run.events).run().results.table
             yield Condition(path.resolve().name, with_seed(table, run.seed), run.scene, path)
     elif (path / COURSES).is_file():
-        scenes = _scenes_of_points(path / DESIGN)
+        scenes, windows = _points(path)
         for label, table in read_courses(path).items():
-            yield Condition(label, table, scenes.get(label), path)
+            yield Condition(label, table, scenes.get(label), path, windows)
     elif tables := sorted(path.glob(f"*{TABLES}")):
         yield from map(_gathered, tables)
     else:
@@ -187,12 +157,24 @@ def _read(path: Path) -> Iterator[Condition]:
         )
 
 
-def _scenes_of_points(design: Path) -> dict[str, Scene]:
-    """Scenes of the points of a study, by label; none if its file is not there or not valid."""
-    try:
-        return {point.label: point.scene for point in Design.load(design).points}
-    except SceneError:
-        return {}
+def _points(folder: Path) -> tuple[dict[str, Scene], tuple[Window, ...]]:
+    """Scenes of the points of a study, by label, and its windows; none if they are not there."""
+    if not (folder / MEANS).is_file():
+        return {}, ()
+    means, scenes = read_means(folder), {}
+    for label, run in dict(zip(means["point"], means["run"], strict=True)).items():
+        with suppress(SceneError):
+            scenes[label] = Scene.load(folder / "runs" / run / SCENE_FILE)
+    ends = dict.fromkeys(zip(means["start"], means["end"], strict=True))
+    return scenes, tuple(Window(float(start), float(end)) for start, end in ends)
+
+
+def windows_of_all(conditions: Sequence[Condition], given: str | None) -> list[Window]:
+    """Windows that are given, else those of the study if all are points of it, else usual ones."""
+    (own, *others) = {one.windows for one in conditions}
+    if given is None and own and not others:
+        return list(own)
+    return windows_of(given, min(one.end for one in conditions))
 
 
 def _gathered(path: Path) -> Condition:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,16 +11,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lammps_skin.analysis import labels
-from lammps_skin.analysis.observables import Table, is_fraction, least
-from lammps_skin.analysis.statistics import Mean, mean
+from lammps_skin.analysis.derived import average, fault, statistic
+from lammps_skin.analysis.observables import Table
+from lammps_skin.analysis.statistics import Mean
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError
 from lammps_skin.model.scene_keys import near
+from lammps_skin.study.ensemble import by_seed, over_time
 from lammps_skin.study.ranges import Window
 from lammps_skin.study.studies.design import Design
 from lammps_skin.style import name_axes, panels, plain
 
-MINUS = "-"  # between two columns: their difference
 SHOWN = (
     "stem_on_tips-stem_tips_expected", "chi_H", "zeta", "coverage", "papillae",
     "papilla_height", "skewness",
@@ -37,44 +39,29 @@ class Answer(NamedTuple):
 
 
 def check_columns(wanted: Sequence[str], observed: Sequence[str]) -> None:
-    """Raise `SceneError` for a column, or a part of a difference, that there is not."""
+    """Raise `SceneError` for a column that there is not, nor can be made of those there are."""
     for column in wanted:
-        for name in column.split(MINUS):
-            if name not in observed:
-                raise SceneError(
-                    f"--columns {column}: there is no column {name or repr(name)}"
-                    f"{near(name, observed)}; allowed: {', '.join(observed)}, and differences "
-                    "such as a-b"
-                )
+        if wrong := fault(column, observed):
+            raise SceneError(
+                f"--columns {column}: {wrong}; allowed: {', '.join(observed)}, differences such "
+                "as a-b, and times such as a>0.5"
+            )
 
 
-def value_of_column(table: Any, column: str) -> Floats:
-    """Values of a column, or of the difference of two."""
-    names = column.split(MINUS)
-    values = np.asarray(table[names[0]], float)
-    for name in names[1:]:
-        values = values - np.asarray(table[name], float)
-    return values
+def mean_of(courses: Mapping[str, Table], label: str, column: str, window: Window) -> Mean:
+    """Mean over the seeds of a point, from the time courses of all points, by their labels."""
+    tables = by_seed(courses[label]).values() if label in courses else ()
+    return average(np.array([statistic(table, column, window) for table in tables]), column)
 
 
-def mean_of(values: Floats, column: str) -> Mean:
-    """Mean over seeds with a 95 % interval, which stays within what is possible."""
-    if MINUS in column:
-        return mean(values)
-    return mean(values, fraction=is_fraction(column), least=least(column))
-
-
-def answers(design: Design, means: Any, wanted: Sequence[str]) -> list[Answer]:
-    """Of all points in all windows, from the columns of the table of means."""
-    points, windows = np.array(means["point"], object), np.array(means["window"], object)
-    found = []
-    for window in design.windows:
-        for point in design.points:
-            mine = (points == point.label) & (windows == str(window))
-            for column in wanted:
-                values = value_of_column(means, column)[mine]
-                found.append(Answer(point.label, window, column, mean_of(values, column)))
-    return found
+def answers(
+    design: Design, courses: Mapping[str, Table], wanted: Sequence[str]
+) -> list[Answer]:
+    """Of all points in all windows."""
+    return [
+        Answer(point.label, window, column, mean_of(courses, point.label, column, window))
+        for window, point, column in product(design.windows, design.points, wanted)
+    ]
 
 
 def against_of(design: Design, against: str | None) -> str:
@@ -99,15 +86,12 @@ def _is_numeric(design: Design, key: str) -> bool:
 
 
 @plain
-def draw_over_time(courses: dict[str, Table], wanted: Sequence[str]) -> Figure:
+def draw_over_time(courses: Mapping[str, Table], wanted: Sequence[str]) -> Figure:
     """A panel for each column, a line with a band for each point."""
     figure, axes_of = panels(len(wanted))
     for axes, column in zip(axes_of, wanted, strict=True):
         for label, table in courses.items():
-            times = np.unique(table["time"])
-            values = value_of_column(table, column)
-            means = [mean_of(values[table["time"] == time], column) for time in times]
-            _line(axes, times, means, label)
+            _line(axes, *over_time(table, column), label)
         name_axes(axes, labels.TIME, labels.label(column).text)
     _legend(figure, axes_of)
     return figure
@@ -115,7 +99,8 @@ def draw_over_time(courses: dict[str, Table], wanted: Sequence[str]) -> Figure:
 
 @plain
 def draw_against(
-    design: Design, means: Any, wanted: Sequence[str], against: str, window: Window
+    design: Design, courses: Mapping[str, Table], wanted: Sequence[str], against: str,
+    window: Window,
 ) -> Figure:
     """A panel for each column: means in a window, with intervals, against a key or the condition.
 
@@ -132,7 +117,7 @@ def draw_against(
             )
         groups.setdefault(fixed, []).append((values[against], point.label))
     numeric = against != "condition" and _is_numeric(design, against)
-    found = {(one.point, one.column): one.mean for one in answers(design, means, wanted)
+    found = {(one.point, one.column): one.mean for one in answers(design, courses, wanted)
              if one.window == window}  # fmt: skip
     figure, axes_of = panels(len(wanted))
     for axes, column in zip(axes_of, wanted, strict=True):

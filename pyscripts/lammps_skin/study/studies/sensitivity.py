@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from lammps_skin.analysis.labels import label
+from lammps_skin.analysis.observables import Table
 from lammps_skin.arrays import Floats
-from lammps_skin.study.studies.answer import answers
-from lammps_skin.study.studies.design import Design
+from lammps_skin.study.ranges import Window
+from lammps_skin.study.studies.answer import mean_of
+from lammps_skin.study.studies.samples import Sample
 from lammps_skin.style import name_axes, panels, plain
 
 CHANCE = "cells.seed"  # a key whose effect is that of chance alone
@@ -21,7 +23,7 @@ MEASURE = {"mu_star": "μ*", "total": "total index"}
 
 
 class Sensitivity(NamedTuple):
-    """Of one observable, in the last window.
+    """Of one observable, in a window of time.
 
     Attributes
     ----------
@@ -37,39 +39,57 @@ class Sensitivity(NamedTuple):
     heads: tuple[str, ...]
     values: Floats
 
+    @property
+    def title(self) -> str:
+        """The observable in words, before the condition and the values of the grid."""
+        of, _, column = self.what.rpartition(", ")
+        return f"{label(column).text}{of and f', {of}'}"
 
-def has_indices(design: Design) -> bool:
+
+def has_indices(sample: Sample | None) -> bool:
     """Whether it is a sample that tells of sensitivity."""
-    return design.sample is not None and design.sample.method in DRAWN
+    return sample is not None and sample.method in DRAWN
 
 
-def sensitivities(design: Design, means: Any, wanted: Sequence[str]) -> list[Sensitivity]:
-    """Of each condition and choice of the grid, of each column of the table of means."""
-    sample, window = design.sample, design.windows[-1]
-    assert sample
-    number = sample.number
+def sensitivities(
+    sample: Sample, labels: Sequence[str], courses: Mapping[str, Table], wanted: Sequence[str],
+    window: Window,
+) -> list[Sensitivity]:  # fmt: skip
+    """Of each condition and choice of the grid, of each column.
+
+    Parameters
+    ----------
+    sample : Sample
+        With indices.
+    labels : sequence of str
+        Of all points of the study, in order.
+    courses : mapping
+        Their time courses.
+    wanted : sequence of str
+        Columns.
+    window : Window
+        Of time, over which means are taken.
+    """
     found = []
-    for first, column in product(range(0, len(design.points), number), wanted):
-        results = [one.mean.value for one in answers(design, means, [column])
-                   if one.window == window]  # fmt: skip
-        what = design.points[first].label.rpartition("sample")[0] + column
-        mine = np.array(results[first : first + number])
-        if np.isnan(mine).any():
+    for first, column in product(range(0, len(labels), sample.number), wanted):
+        mine = labels[first : first + sample.number]
+        results = np.array([mean_of(courses, label, column, window).value for label in mine])
+        what = labels[first].rpartition("sample")[0] + column
+        if np.isnan(results).any():
             found.append(Sensitivity(what, (), np.empty((0, 0))))
         else:
-            found.append(Sensitivity(what, *sample.sensitivity(mine)))
+            found.append(Sensitivity(what, *sample.sensitivity(results)))
     return found
 
 
-def effects(design: Design, found: Sequence[Sensitivity]) -> list[str]:
+def effects(sample: Sample, found: Sequence[Sensitivity]) -> list[str]:
     """Lines of a table in Markdown: mean effects of Morris with 95 % intervals, a row for each key.
 
     Effects whose interval does not hold 0 are bold.
     """
-    assert design.sample
     lines = [" | ".join(["| key", *(one.what for one in found)]) + " |",
              "|" + " --- |" * (len(found) + 1)]  # fmt: skip
-    for n, key in enumerate(design.sample.ranges):
+    for n, key in enumerate(sample.ranges):
         cells = []
         for one in found:
             value, error = (one.values[n, one.heads.index(name)] for name in ("mu", "mu_error"))
@@ -80,19 +100,16 @@ def effects(design: Design, found: Sequence[Sensitivity]) -> list[str]:
 
 
 @plain
-def draw(design: Design, found: Sequence[Sensitivity]) -> Figure:
+def draw(sample: Sample, found: Sequence[Sensitivity]) -> Figure:
     """A panel for each: mu* of Morris or the total index of Sobol, of each key, with intervals.
 
     If the seed of the cells is among the keys, a line shows what chance does.
     """
-    sample = design.sample
-    assert sample
     keys = [*sample.ranges]
     figure, axes_of = panels(len(found), height=0.22 * len(keys) + 1.0)
     for n, (axes, one) in enumerate(zip(axes_of, found, strict=True)):
         head = DRAWN[sample.method]
-        of, _, column = one.what.rpartition(", ")
-        name_axes(axes, f"{MEASURE[head]} of {label(column).text}{of and f', {of}'}")
+        name_axes(axes, f"{MEASURE[head]} of {one.title}")
         axes.set_yticks(range(len(keys)), keys if n % 3 == 0 else [""] * len(keys))
         axes.invert_yaxis()
         if not len(one.values):

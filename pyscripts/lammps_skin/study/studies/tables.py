@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,10 @@ from lammps_skin.errors import SkinError
 from lammps_skin.files import atomic_write
 from lammps_skin.study.ensemble import Member, window_means, with_seed
 from lammps_skin.study.studies.runs import Runs, Study, StudyRun
+from lammps_skin.study.studies.samples import Sample
 
 MEANS, COURSES = "table.parquet", "courses.parquet"
+SAMPLE = "sample"  # of what is stored with the names of columns
 NEEDS = "tables of studies need pyarrow: pip install 'lammps-skin[study]'"
 
 
@@ -62,6 +65,16 @@ def observables_of(study: Study) -> list[str]:
 def read_means(folder: Path) -> dict[str, Any]:
     """Columns of the table of means; those of numbers have NaN where nothing is defined."""
     return _columns(folder / MEANS)
+
+
+def read_sample(folder: Path) -> Sample | None:
+    """The sample of which a study consists; None if there is none, or it is not told."""
+    try:
+        about = _arrow().parquet.read_schema(folder / MEANS).metadata or {}
+    except FileNotFoundError:
+        return None
+    given = json.loads(about.get(SAMPLE.encode(), b"{}"))
+    return Sample.of(given) if given else None
 
 
 def read_courses(folder: Path) -> dict[str, Table]:
@@ -121,6 +134,7 @@ def _schema(study: Study, words: Sequence[str], numbers: Sequence[str]) -> Any:
     fields += [(name, number) for name in numbers]
     about = {
         "study": study.design.name,
+        SAMPLE: json.dumps(asdict(study.design.sample) if study.design.sample else {}),
         "scene": json.dumps(study.design.scene.given(), sort_keys=True),
         "made by": ", ".join(" ".join(pair) for pair in study.runs[0].made_by),
     }

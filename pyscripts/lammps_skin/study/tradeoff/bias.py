@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_skin.analysis.observables import REACHES, Table, read_table
-from lammps_skin.analysis.statistics import first_time, mean, seeds_needed
+from lammps_skin.analysis.derived import COUNTS, statistic
+from lammps_skin.analysis.observables import Table, read_table
+from lammps_skin.analysis.statistics import mean, seeds_needed
 from lammps_skin.arrays import Floats
 from lammps_skin.errors import SceneError
 from lammps_skin.study.ensemble import Member
@@ -21,7 +22,6 @@ MEANS = (
     "chi_H", "chi_G", "zeta", "sigma", "coverage", "ta", "exhausted", "papillae",
     "papilla_height", "skewness", "chi_H_nd", "chi_G_nd", "zeta_nd", "sigma_nd",
 )  # fmt: skip
-COUNTS = ("births", "deaths")  # since the start: what counts is how many more in a window
 EFFECT = 0.5  # difference to be seen, in standard deviations over seeds
 
 
@@ -99,21 +99,6 @@ def biases(
         for window in windows for name in (*MEANS, *COUNTS)
     ]  # fmt: skip
     return [bias for bias in found if bias.seeds or bias.reference_seeds]
-
-
-def statistic(table: Table, name: str, window: Window) -> float:
-    """Of one run: the mean over a window of what is defined, or the count during it.
-
-    Of ``A>LEVEL`` the time from the beginning of the window to when A comes to the level.
-    """
-    name, reaches, level = name.partition(REACHES)
-    rows = table[(table["time"] >= window[0]) & (table["time"] <= window[1])]
-    if reaches:
-        return first_time(rows["time"], rows[name], float(level)) - window[0]
-    inside = rows[name][~np.isnan(rows[name])]
-    if not len(inside):
-        return np.nan
-    return float(inside[-1] - inside[0] if name in COUNTS else inside.mean())
 
 
 def _bias(
