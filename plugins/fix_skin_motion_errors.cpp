@@ -151,11 +151,12 @@ void FixSkinMotion::post_run()
   const double part = (double) all / std::max((double) within_steps * (double) atom->natoms, 1.0);
   if (part < NOTEWORTHY || comm->me != 0) return;
   error->warning(FLERR,
-                 "Fix skin/motion: in {} cases ({:.2g} of all) a particle was within a step "
+                 "Fix skin/motion: in {} case{} ({:.2g} of all) a particle was within a step "
                  "further from where it had been listed than the neighbor skin allows: it may have "
                  "missed contacts until the end of that step; use a neighbor skin of {:.4g} "
                  "instead of {} or a smaller timestep than {}",
-                 all, part, std::sqrt(furthest) * neighbor->skin, neighbor->skin, update->dt);
+                 all, all == 1 ? "" : "s", part, std::sqrt(furthest) * neighbor->skin,
+                 neighbor->skin, update->dt);
 }
 
 /* ---------------------------------------------------------------------- */

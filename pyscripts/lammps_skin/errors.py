@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 from collections.abc import Iterator
@@ -14,6 +15,13 @@ class SkinError(Exception):
 
 class DamagedError(SkinError):
     """A file whose contents cannot be right; whoever reads it again finds the same."""
+
+
+def why(number: int) -> str:
+    """What the system means by the number of an error."""
+    if number == errno.EAGAIN:  # of files alone, which are locked then
+        return "another process has it open; try again when that has closed it"
+    return os.strerror(number)
 
 
 @contextmanager
@@ -29,7 +37,7 @@ def reading(what: str) -> Iterator[None]:
         told = re.search(r"errno = (\d+)", str(error))  # of HDF5, which says it in its text alone
         number = error.errno or (int(told[1]) if told else 0)
         if number:
-            raise SkinError(f"{what}: {os.strerror(number)}") from None
+            raise SkinError(f"{what}: {why(number)}") from None
         raise DamagedError(f"{what}: is damaged") from None
     except (LookupError, ValueError, TypeError, AttributeError, ArithmeticError, RuntimeError):
         raise DamagedError(f"{what}: is damaged") from None

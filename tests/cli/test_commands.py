@@ -253,8 +253,17 @@ def test_what_cannot_be_resumed(skin, tmp_path):
         answer = skin("run", *arguments, "--resume")
         assert answer.code == 2
         assert said in answer.err and len(answer.err.splitlines()) == 1
-    answer = skin("run", "x")
-    assert "directory x: holds results of a run; skin run x --resume goes on" in answer.err
+    for scene in ("x", "bare-membrane"):
+        answer = skin("run", scene, *(() if scene == "x" else (*SMALLEST, *short, "-o", "x")))
+        assert "directory x: holds results of a run; skin run x --resume " in answer.err
+    answer = skin("run", "bare-membrane", *SMALLEST, "-o", "x")
+    assert "it is one of bare-membrane with other keys; give this one" in answer.err
+    answer = skin("run", "two-cells", "--seed", "5", "-o", "x")
+    assert answer.err == (
+        "error: directory x: holds results of a run; it is one of bare-membrane, seed 1; give "
+        "this one another directory by -o, or skin run x --resume goes on with it, --force "
+        "replaces them\n"
+    )
 
 
 def test_inputs_of_results_are_not_replaced(skin, tmp_path):

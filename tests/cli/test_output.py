@@ -64,12 +64,15 @@ def test_progress_in_a_file(skin):
     assert [float(time) for time, _ in shown] == [*range(1, 11)]
 
 
-def test_progress_that_begins_in_the_middle_and_of_nothing(capsys):
+def test_progress_that_begins_in_the_middle_and_of_nothing(capsys, monkeypatch):
+    """The share is that of the whole, and the time to go that of the speed since the start."""
+    clock = [0.0]
+    monkeypatch.setattr("lammps_skin.cli.progress.time.monotonic", lambda: clock[0])
     with Progress(30.0, start=20.0) as progress:
-        for done in (20.5, 21.0, 24.0, 24.5, 30.0):
+        for clock[0], done in ((1, 20.5), (2, 21.0), (4, 24.0), (5, 24.5), (9, 30.0)):
             progress.show(done, "on")
     told = capsys.readouterr().out.splitlines()
-    assert [line.split("%")[0] for line in told] == ["on; 10", "on; 40", "on; 100"]
+    assert told == ["on; 70%, 18 s to go", "on; 80%, 6 s to go", "on; 100%"]
     with Progress(5.0, start=5.0) as progress:
         progress.show(5.0, "there")
     assert capsys.readouterr().out.startswith("there; 100%")

@@ -50,14 +50,15 @@ class RunMonitor:
         # LAMMPS computes energies at each end of a piece: mostly where it would anyway
         thermo_interval = self._simulation.scene.output.thermo_interval
         every = min(thermo_interval, (self._end - self._start) / PIECES)
-        with Progress(self._end, self._start) as progress:
+        begins = self._simulation.scene.begins
+        with Progress(self._end - begins, self._start - begins) as progress:
 
             def show(time: float, _: Simulation) -> None:
                 self._look(time)
                 speed = (time - self._start) / max(progress.seconds, 1e-9)
                 reached = f"t = {round(time, 6):.6g} of {self._end:g}"
                 cells = f"{self.living()} +{self.births} -{self.removals}"
-                progress.show(time, f"{reached}  {cells}  {speed:.3g} t/s  {self._ranks}")
+                progress.show(time - begins, f"{reached}  {cells}  {speed:.3g} t/s  {self._ranks}")
 
             try:
                 self._simulation.run(self._end, progress=show, every=every)

@@ -10,6 +10,7 @@ from rich.segment import Segment
 from rich.table import Table
 
 from lammps_skin.errors import printable
+from lammps_skin.text import counted as counted
 
 GAP = 2  # between the columns of a table
 WIDEST = 200  # of tables that do not fold, also where the terminal is narrower
@@ -79,11 +80,6 @@ def print_parts(heads: Sequence[str], rows: Sequence[Sequence[str]], repeated: i
     for part in parts:
         chosen = [*range(repeated), *part]
         print_table([heads[n] for n in chosen], [[row[n] for n in chosen] for row in rows])
-
-
-def counted(number: int, what: str) -> str:
-    """A number of things, whose word is given in the singular: ``1 run``, ``2,000 runs``."""
-    return f"{number:,} {what}{'' if number == 1 else 's'}"
 
 
 def duration(seconds: float) -> str:

@@ -49,15 +49,19 @@ class Progress:
         return time.monotonic() - self._began
 
     def show(self, done: float, news: str) -> None:
-        """So much is done; in a file, a line for each tenth of what there was to do."""
+        """So much of the whole is done; in a file, a line for each tenth of what there was to do.
+
+        What is left takes as long as the same amount has taken since the start.
+        """
         if self._bar:
             self._bar.update(self._task, completed=done, news=news)
             return
-        whole, now = self._total - self._start, time.monotonic()
-        if done - self._told < whole / LINES * (1 - 1e-9) and now - self._told_at < SILENCE:
+        ahead, now = self._total - self._start, time.monotonic()
+        if done - self._told < ahead / LINES * (1 - 1e-9) and now - self._told_at < SILENCE:
             return
         self._told, self._told_at = done, now
-        share = (done - self._start) / whole if whole > 0 else 1.0
-        rest = self.seconds * (1 / share - 1) if share > 0 else 0.0
+        share = done / self._total if self._total > 0 else 1.0
+        since = done - self._start
+        rest = self.seconds * (self._total - done) / since if since > 0 else 0.0
         console.print(f"{news}; {share:.0%}" + (f", {duration(rest)} to go" if rest else ""))
         console.file.flush()

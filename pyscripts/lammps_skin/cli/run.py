@@ -25,7 +25,7 @@ from lammps_skin.cli.options import (
 )
 from lammps_skin.cli.output import console
 from lammps_skin.engine.built import load_built
-from lammps_skin.errors import SceneError, SimulationError
+from lammps_skin.errors import SceneError, SimulationError, SkinError
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
@@ -104,8 +104,10 @@ def _begun(
 ) -> Simulation:  # fmt: skip
     """The simulation of a scene, from its initial state."""
     if not force:
-        go_on = _go_on(directory, until)
-        keep_results(directory, f"{go_on} goes on with it, --force replaces them")
+        go_on = f"{_go_on(directory, until)} goes on with it, --force replaces them"
+        if scene and (other := _another(scene, directory)):
+            go_on = f"it is one of {other}; give this one another directory by -o, or {go_on}"
+        keep_results(directory, go_on)
     if until is not None:
         scene = _shortened(scene, directory, until)
     configuration = None
@@ -127,6 +129,18 @@ def _begun(
                 )
     _print_notes(simulation)
     return simulation
+
+
+def _another(scene: Scene, directory: Path) -> str:
+    """What scene stands in a directory, if it is another one but for its end."""
+    try:
+        there = load_built(directory)
+        one, other = (each.replace(end_time=scene.end_time).given() for each in (scene, there))
+    except SkinError:
+        return ""
+    if (there.name, there.seed) != (scene.name, scene.seed):
+        return f"{there.name}, seed {there.seed}"
+    return "" if one == other else f"{there.name} with other keys"
 
 
 def _resumed(

@@ -18,7 +18,7 @@ from lammps_skin.cli.options import (
     changes_from,
     scene_from,
 )
-from lammps_skin.cli.output import console, print_table
+from lammps_skin.cli.output import console, counted, print_table
 from lammps_skin.cli.progress import Progress
 from lammps_skin.engine.machine import cores
 from lammps_skin.errors import SceneError, SimulationError
@@ -140,7 +140,8 @@ def _measure(measurements: Measurements, found: list[Variant], jobs: int | None)
         if not measurements.end_state_path(one).exists()
     ]
     groups = measurements.timing_groups(found)
-    console.print(f"{len(trajectories)} trajectories and {len(groups)} rounds of timing to do")
+    todo = counted(len(trajectories), "run"), counted(len(groups), "round")
+    console.print(f"{todo[0]} and {todo[1]} of timing to do")
     if not trajectories and not groups:
         return
 

@@ -15,6 +15,7 @@ from lammps_skin.figures.clone_colours import PALETTE, clone_colours
 from lammps_skin.figures.look import Look
 from lammps_skin.figures.moments import Moment
 from lammps_skin.kinds import is_cell
+from lammps_skin.text import counted
 
 LABEL = 0.02  # of the width of the tree: from one label to the next, at least
 
@@ -121,7 +122,8 @@ def draw_lineage(axes: Axes, moment: Moment, look: Look) -> None:
         xlim=(-1, len(column)), ylim=(first.time, max(moment.time, first.time + 1e-9)),
         xlabel="id of the founder", ylabel="t",
     )  # fmt: skip
-    axes.set_title(f"ancestors of the {is_cell(moment.kinds).sum()} cells at t = {moment.time:g}")
+    cells = counted(int(is_cell(moment.kinds).sum()), "cell")
+    axes.set_title(f"ancestors of {cells} at t = {moment.time:g}")
 
 
 def _apart(places: Floats, least: float) -> list[int]:

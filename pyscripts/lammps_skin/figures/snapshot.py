@@ -28,6 +28,7 @@ from lammps_skin.kinds import Kind
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import near
 from lammps_skin.style import dots, name_panels, plain
+from lammps_skin.text import counted
 
 NONE = "none"  # word for no cells
 STRIP, BAR = 0.34, 0.75  # of a title or a legend, of colours that stand for numbers: inches
@@ -258,12 +259,11 @@ def _add_scale_bar(axes: Axes, moment: Moment, diameter: float, wide: float, hig
     fitting = [n for n in CELLS_LONG if n * diameter <= SCALE_BAR * wide]
     count = fitting[-1] if fitting else 1
     length = count * 2 * moment.scene.cells.radius
-    plural = "s" if count > 1 else ""
     left, bottom = axes.get_xlim()[0], axes.get_ylim()[0]
     x, y = left + 0.03 * wide, bottom - 0.04 * high
     axes.plot([x, x + count * diameter], [y, y], color="black", linewidth=3, solid_capstyle="butt")
     axes.text(
-        x, y - 0.015 * high, f"{count} cell diameter{plural} ({length:g})", va="bottom",
+        x, y - 0.015 * high, f"{counted(count, 'cell diameter')} ({length:g})", va="bottom",
         bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.6, "pad": 1},
     )  # fmt: skip
     axes.set(xlim=axes.get_xlim(), ylim=axes.get_ylim())

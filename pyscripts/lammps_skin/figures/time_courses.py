@@ -16,6 +16,7 @@ from lammps_skin.errors import FigureError
 from lammps_skin.kinds import Kind
 from lammps_skin.study.ensemble import over_time
 from lammps_skin.style import in_print, name_axes, name_panels, panels, plain, size
+from lammps_skin.text import counted
 
 TISSUE = (
     "ta", "exhausted", "coverage", "height_std", "skewness", "papillae", "papilla_height",
@@ -97,8 +98,7 @@ def draw_stem_and_nd(
 
 
 def _seeds(table: Table) -> str:
-    number = len(np.unique(table["seed"]))
-    return f"{number} seed{'s' if number > 1 else ''}"
+    return counted(len(np.unique(table["seed"])), "seed")
 
 
 def _finish(axes: Axes, name: str, cycle: float | None) -> None:

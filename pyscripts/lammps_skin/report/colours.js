@@ -23,7 +23,7 @@ const CELL_COLOURS = {
     value: (run, n) => run.arrays.cell_curvature[n],
   },
   clone: {
-    title: "clone", note: (run) => `${run.clones.size} clones, each in a colour of ${SCALES.clones.length}`,
+    title: "clone", note: (run) => `${counted(run.clones.size, "clone")}, each in a colour of ${SCALES.clones.length}`,
     of: (run, n) => SCALES.clones[run.clones.get(run.arrays.cell_clone[n])],
   },
   age: {

@@ -86,7 +86,7 @@ class Page {
       Object.assign(view, this.choices(), { hidden });
       view.show(view.run.frameAt(this.time));
       view.caption.textContent = `${this.runs.length > 1 || this.study ? `${view.run.told.name}, ` : ""}t = ${short(view.run.told.frames[view.frame])}: `
-        + `${view.drawn.toLocaleString("en")} cells drawn`;
+        + `${counted(view.drawn, "cell")} drawn`;
       this.maps[n].show(view, Number($("section-y").value));
     });
     const sections = this.runs.map((run) => `y = ${short(run.told.box[1] * $("section-y").value)}`);

@@ -2,6 +2,9 @@
 // what is told in words: events, the history of a cell, the scene
 
 const LATEST = 12; // events that are listed
+// a number of things, whose word is given in the singular
+const counted = (number, what) => `${number.toLocaleString("en")} ${what}${number === 1 ? "" : "s"}`;
+
 // words whose symbols, such as χ_H and R_c, get their indices
 const symbols = (text) => clean(text).replace(/([χR])_(\w)\b/g, "$1<sub>$2</sub>");
 const clean = (text) => String(text).replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
@@ -90,7 +93,7 @@ function events(run, time) {
 function leadOf(runs, study) {
   if (study) {
     const { points, scene, parameters } = study, all = points.reduce((sum, point) => sum + point.runs, 0);
-    return `${scene}, parameters ${parameters}: ${points.length} points, ${all} runs`;
+    return `${scene}, parameters ${parameters}: ${counted(points.length, "point")}, ${counted(all, "run")}`;
   }
   return runs.map(({ told }) => `${runs.length > 1 ? `${told.name}: ` : ""}${told.description || told.scene}, `
     + `parameters ${told.parameters}, t = ${short(told.from)} to ${short(told.to)}`).join(" | ");

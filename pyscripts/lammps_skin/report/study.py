@@ -24,6 +24,7 @@ from lammps_skin.study.studies.answer import SHOWN
 from lammps_skin.study.studies.runs import DESIGN
 from lammps_skin.study.studies.sensitivity import has_indices, sensitivities
 from lammps_skin.study.studies.tables import MEANS, read_courses, read_means, read_sample
+from lammps_skin.text import counted
 from lammps_skin.trajectory.store import STORE
 
 MOST_CURVES = 24  # points whose time courses are drawn
@@ -238,7 +239,7 @@ def _warnings(tables: StudyTables) -> Iterator[str]:
             for _, seed, status in tables.runs(label) if status == word
         ]  # fmt: skip
         if lost:
-            more = f" and {len(lost) - 3} others" if len(lost) > 3 else ""
+            more = f" and {counted(len(lost) - 3, 'other')}" if len(lost) > 3 else ""
             yield f"{word.capitalize()}: {'; '.join(lost[:3])}{more}. Means are of the others."
     if max(len(tables.runs(label)) for label in tables.labels) < 2:
         yield "Each point has one seed, so there are no intervals."

@@ -9,6 +9,7 @@ from lammps_skin.analysis.basal_layer import COVERED, last_remark
 from lammps_skin.analysis.labels import label
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
+from lammps_skin.text import counted
 
 NAMED = 3  # statistics that a warning names
 
@@ -47,7 +48,7 @@ def warnings(scene: Scene, found: dict[str, Any]) -> Iterator[str]:
         called[name] for name, mean in means["means"].items() if mean["trend"] in ("rises", "falls")
     ]
     if moving:
-        more = f"; and {len(moving) - NAMED} others" if len(moving) > NAMED else ""
+        more = f"; and {counted(len(moving) - NAMED, 'other')}" if len(moving) > NAMED else ""
         yield (
             f"Not stationary from t = {means['start']:g} to {means['end']:g}. What still rises or "
             f"falls: {'; '.join(moving[:NAMED])}{more}. A mean over these times is one of these "

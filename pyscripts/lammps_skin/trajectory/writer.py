@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import getpass
-import os
 import platform
 import subprocess
 from collections.abc import Mapping
@@ -15,7 +14,7 @@ import h5py
 import numpy as np
 
 from lammps_skin.arrays import Ints
-from lammps_skin.errors import SkinError
+from lammps_skin.errors import SkinError, why
 from lammps_skin.kinds import is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import to_toml
@@ -295,7 +294,7 @@ def source_commit() -> str | None:
 
 def reason(error: OSError) -> str:
     """Why something cannot be read or written, in a few words also where HDF5 has many."""
-    return os.strerror(error.errno) if error.errno else " ".join(str(error).split())
+    return why(error.errno) if error.errno else " ".join(str(error).split())
 
 
 def login() -> str:

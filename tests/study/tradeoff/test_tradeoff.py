@@ -37,11 +37,11 @@ def test_quick(skin, tmp_path):
     kept = sorted((tmp_path / "tradeoff" / "measured").iterdir())
     times = [path.stat().st_mtime_ns for path in kept]
     again = skin("tradeoff", *SCENE, "--quick", "--variant", "half:timestep=0.005")
-    assert "0 trajectories and 0 rounds of timing to do" in again.out
+    assert "0 runs and 0 rounds of timing to do" in again.out
     assert [path.stat().st_mtime_ns for path in kept] == times
     assert sorted((tmp_path / "tradeoff" / "measured").iterdir()) == kept
     more = skin("tradeoff", *SCENE, "--quick", "--variant", "twice:timestep=0.02")
-    assert "1 trajectories and 1 rounds of timing to do" in more.out
+    assert "1 run and 1 round of timing to do" in more.out
 
 
 @pytest.mark.usefixtures("in_this_process")
@@ -79,7 +79,7 @@ def test_interrupted(skin, monkeypatch):
         answer = skin("tradeoff", *short)
     assert answer.code == 130 and "the same command goes on" in answer.out
     answer = skin("tradeoff", *short)
-    assert answer.code == 0 and "0 trajectories and 1 rounds" in answer.out
+    assert answer.code == 0 and "0 runs and 1 round" in answer.out
 
 
 @pytest.mark.parametrize(
