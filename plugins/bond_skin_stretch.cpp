@@ -4,6 +4,7 @@
 #include "bond_skin_stretch.h"
 
 #include "skin_remedy.h"
+#include "skin_virial.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -47,16 +48,24 @@ void BondSkinStretch::compute(int eflag, int vflag)
   if (build.is_new(neighbor)) links.build();
   if (links.all.empty()) return;
 
+  const bool each = eflag_atom || vflag_atom;
+  if (vflag_global && !each) skin_add_virial(atom, -1.0, virial);
   double beyond = 0.0;
   for (int type = 1; type <= atom->nbondtypes; type++)
     beyond += skin_stretch(links.of_type[type], atom->x[0], of_type(type), atom->f[0]);
   if (beyond > 0.0 && sparing) broken = true;
   if (beyond > 0.0 && !sparing)
     for (int n = 0; n < (int) links.all.size(); n++) overstretched(n);
-  if (evflag) tally();
+  if (each) tally();
+  if (vflag_global && !each) skin_add_virial(atom, 1.0, virial);
+  if (eflag_global && !each)
+    for (int type = 1; type <= atom->nbondtypes; type++)
+      energy += skin_stretch_energies(links.of_type[type], atom->x[0], of_type(type));
 }
 
-/* ---------------------------------------------------------------------- */
+/* ----------------------------------------------------------------------
+   all that is asked for, link by link
+------------------------------------------------------------------------- */
 
 void BondSkinStretch::tally()
 {
@@ -111,11 +120,18 @@ void BondSkinStretch::spare_links(bool spare)
 
 bool BondSkinStretch::any_broken() const
 {
-  for (int n = 0; n < (int) links.all.size(); n++) {
-    const double r = length(n);
-    if (!(r > 0.0 && r < singular(n))) return true;
+  std::vector<double> singularsq(atom->nbondtypes + 1);
+  for (int type = 1; type <= atom->nbondtypes; type++)
+    singularsq[type] = singular(type) * singular(type);
+
+  const double *const *const x = atom->x;
+  bool any = false;
+  for (const auto &[i, j, type] : links.all) {
+    const double dx = x[i][0] - x[j][0], dy = x[i][1] - x[j][1], dz = x[i][2] - x[j][2];
+    const double rsq = dx * dx + dy * dy + dz * dz;
+    any |= !(rsq > 0.0 && rsq < singularsq[type]);
   }
-  return false;
+  return any;
 }
 
 /* ---------------------------------------------------------------------- */
@@ -129,9 +145,9 @@ double BondSkinStretch::length(int n) const
 
 /* ---------------------------------------------------------------------- */
 
-double BondSkinStretch::singular(int n) const
+double BondSkinStretch::singular(int type) const
 {
-  const SkinStretch c = of_type(links.all[n][2]);
+  const SkinStretch c = of_type(type);
   return c[1] * (1.0 + c[3]);
 }
 
@@ -139,7 +155,7 @@ double BondSkinStretch::singular(int n) const
 
 void BondSkinStretch::overstretched(int n) const
 {
-  const double r = length(n), most = singular(n);
+  const double r = length(n), most = singular(links.all[n][2]);
   if (r > 0.0 && r < most) return;
   error->one(FLERR,
              "Bond skin/stretch: the link of atoms {} and {} has length {} on step {}, its "

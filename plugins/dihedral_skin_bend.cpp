@@ -5,6 +5,7 @@
 #include "dihedral_skin_bend.h"
 
 #include "skin_remedy.h"
+#include "skin_virial.h"
 
 #include "atom.h"
 #include "comm.h"
@@ -64,14 +65,18 @@ void DihedralSkinBend::compute(int eflag, int vflag)
   const int n = (int) triangles.all.size();
   if (n == 0) return;
 
+  const bool each = eflag_atom || vflag_atom;
+  if (vflag_global && !each) skin_add_virial(atom, -1.0, virial);
   const SkinFolds folds =
       skin_bend(triangles, atom->x[0], law(), INVERTED, normal.data(), atom->f[0]);
   if (folds.without_normal > 0.0)
     for (int t = 0; t < n; t++)
       if (!(normal[4 * t + 3] < 1.0 / SKIN_SMALLEST_NORMAL)) degenerate(t);
   ninverted = folds.inverted;
-  if (eflag_either) tally_energy();
-  if (vflag_either) tally_virial();
+  if (each && eflag_either) tally_energy();
+  if (each && vflag_either) tally_virial();
+  if (vflag_global && !each) skin_add_virial(atom, 1.0, virial);
+  if (eflag_global && !each) energy += skin_bend_energy(triangles, law(), normal.data());
 }
 
 /* ---------------------------------------------------------------------- */

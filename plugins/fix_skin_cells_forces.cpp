@@ -110,7 +110,7 @@ void FixSkinCells::add_forces(int which, int eflag, int vflag)
     if ((which & ATTACHMENT) && !is_away(k)) attach(i, closest[k]);
     if ((which & SPRINGS) && !is_away(k) && cells.state.pair[i])
       parted[k] = pull_pair(i) > pairs.apart;
-    write_row(i, closest[k]);
+    if (!cells.clock.is_within_step()) write_row(i, closest[k]);
   }
 }
 

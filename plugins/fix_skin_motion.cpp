@@ -1,8 +1,8 @@
 // Overdamped motion dr/dt = m F by forward Euler or a Runge-Kutta-Legendre method; the mobility m
 // is 1, or less where the membrane is too stiff for the timestep. A step in which some particle
 // would move too far is divided into shorter ones. Its arguments stand in
-// fix_skin_motion_settings.cpp, forces and mobilities in _forces.cpp, single terms of the forces in
-// _terms.cpp, and what ends a run in _errors.cpp.
+// fix_skin_motion_settings.cpp, stages in _stages.cpp, forces and mobilities in _forces.cpp, single
+// terms of the forces in _terms.cpp, and what ends a run in _errors.cpp.
 
 #include "fix_skin_motion.h"
 
@@ -285,77 +285,6 @@ bool FixSkinMotion::advance(double part, double since)
     }
   }
   return true;
-}
-
-/* ----------------------------------------------------------------------
-   one stage: new positions; returns the longest way from the start of this part, infinite for
-   what is no number and if forces were those of a broken link
-------------------------------------------------------------------------- */
-
-FixSkinMotion::Move FixSkinMotion::stage(const SkinStage &c, double part)
-{
-  const int nlocal = atom->nlocal, *const mask = atom->mask;
-  double *const x = nlocal ? atom->x[0] : nullptr;
-  const double *const f = nlocal ? atom->f[0] : nullptr;
-  double longest = 0.0;
-  furthest_particle = -1;
-  const double *const at_start = (method.order > 1 ? start_mobility : mobility).data();
-  const bool broken = stretch && stretch->had_broken();
-  if (stretch) stretch->spare_links(false);
-
-  for (int i = 0; i < nlocal; i++) {
-    if (!(mask[i] & groupbit)) continue;
-    const double time = part * mobility[i], start_time = part * at_start[i];
-    double distsq = 0.0;
-    for (int n = 3 * i; n < 3 * i + 3; n++) {
-      const double old = x[n];
-      x[n] = c.previous * old + c.before * before[n] + c.start * start[n] +
-          time * c.force * f[n] + start_time * c.first * start_force[n];
-      before[n] = old;
-      distsq += (x[n] - start[n]) * (x[n] - start[n]);
-    }
-    if (distsq <= longest) continue;
-    longest = std::isnan(distsq) ? INFINITY : distsq;
-    furthest_particle = i;
-  }
-  return furthest(broken ? INFINITY : std::sqrt(longest));
-}
-
-/* ----------------------------------------------------------------------
-   longest of the moves of all ranks, and whose it is; kept
-------------------------------------------------------------------------- */
-
-FixSkinMotion::Move FixSkinMotion::furthest(double mine)
-{
-  Move local = {mine, comm->me}, all = {};
-  MPI_Allreduce(&local, &all, 1, MPI_DOUBLE_INT, MPI_MAXLOC, world);
-  latest = all;
-  return all;
-}
-
-/* ---------------------------------------------------------------------- */
-
-void FixSkinMotion::keep_start()
-{
-  const size_t n = 3 * (size_t) atom->nlocal;
-  const double *const x = n ? atom->x[0] : nullptr, *const f = n ? atom->f[0] : nullptr;
-  start.assign(x, x + n);
-  start_force.assign(f, f + n);
-  before.assign(x, x + n);
-}
-
-/* ----------------------------------------------------------------------
-   back to the start of a part, at this time before the end of the step
-------------------------------------------------------------------------- */
-
-void FixSkinMotion::restore_start(double offset)
-{
-  if (atom->nlocal) {
-    std::copy(start.begin(), start.end(), atom->x[0]);
-    std::copy(start_force.begin(), start_force.end(), atom->f[0]);
-    before = start;
-  }
-  if (cells) cells->forget_detached_after(offset);
 }
 
 /* ----------------------------------------------------------------------

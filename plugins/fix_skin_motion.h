@@ -102,6 +102,7 @@ class FixSkinMotion : public Fix {
   bool advance(double, double);
   bool ends_in_error();
   Move stage(const SkinStage &, double);
+  void advance_each(const SkinStage &, double);
   Move furthest(double);
   void keep_start();
   void restore_start(double);

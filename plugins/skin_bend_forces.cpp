@@ -206,6 +206,32 @@ SkinFolds LAMMPS_NS::skin_bend(const SkinTriangles &triangles, const double *x,
   return folds;
 }
 
+/* ----------------------------------------------------------------------
+   each fold is seen from both of its triangles; without another one across, a triangle sees itself
+------------------------------------------------------------------------- */
+
+SKIN_VECTOR static double energy_of_all(const std::vector<SkinTriangle> &all,
+                                        const SkinFoldLaw &law, const double *normal)
+{
+  double sum = 0.0;
+  for (int t = 0; t < (int) all.size(); t++) {
+    const double *const a = normal + 4L * t;
+    for (int k = 0; k < 3; k++) {
+      const double *const b = normal + 4L * all[t].across[k];
+      sum += law.energy(all[t].type[k], a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+    }
+  }
+  return 0.5 * sum;
+}
+
+/* ---------------------------------------------------------------------- */
+
+double LAMMPS_NS::skin_bend_energy(const SkinTriangles &triangles, const SkinFoldLaw &law,
+                                   const double *normal)
+{
+  return energy_of_all(triangles.all, law, normal);
+}
+
 /* ---------------------------------------------------------------------- */
 
 SkinCornerForces LAMMPS_NS::skin_corner_forces(const SkinTriangles &triangles, int t,

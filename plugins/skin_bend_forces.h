@@ -50,6 +50,10 @@ struct SkinFolds {
 SkinFolds skin_bend(const SkinTriangles &, const double *x, const SkinFoldLaw &, double least,
                     double *normal, double *f);
 
+// energy of all folds
+
+double skin_bend_energy(const SkinTriangles &, const SkinFoldLaw &, const double *normal);
+
 // forces of one triangle on its corners 1 and 2
 
 struct SkinCornerForces {

@@ -147,6 +147,10 @@ void SkinContacts::add_column(const SkinColumns &all, int c, double furthest)
     const bool owned = i < atom->nlocal;
     const bool sees_all = owned && !neighbor->exclude && !neighbor->includegroup &&
         (!atom->nspecial || atom->nspecial[i][0] == 0);
+    if (one_way && one_kind && sees_all) {
+      for (const int *k = first; k < last; k++) of_kind[0].push_back({i, near.index[*k]});
+      continue;
+    }
     for (const int *k = first; k < last; k++) {
       const int j = near.index[*k];
       if (!one_way && !mine(i, j)) continue;

@@ -18,6 +18,7 @@ namespace LAMMPS_NS {
 typedef double SkinDouble2 __attribute__((vector_size(16)));
 typedef double SkinDouble4 __attribute__((vector_size(32)));
 typedef double SkinDouble2InMemory __attribute__((vector_size(16), aligned(8), may_alias));
+typedef double SkinDouble4InMemory __attribute__((vector_size(32), aligned(8), may_alias));
 
 template <class T> struct SkinPoint {
   T x, y, z;
@@ -90,6 +91,11 @@ SKIN_INLINE double sum(const SkinDouble4 &a)
   return a[0] + a[1] + a[2] + a[3];
 }
 
+SKIN_INLINE SkinPoint<double> sum(const SkinPoint<SkinDouble4> &p)
+{
+  return {sum(p.x), sum(p.y), sum(p.z)};
+}
+
 /* ----------------------------------------------------------------------
    numbers of a followed by those of b, in this order
 ------------------------------------------------------------------------- */
@@ -141,6 +147,14 @@ template <class T> SKIN_INLINE SkinPoint<T> load(const double *all, const int *i
   }
 }
 
+// the same vector four times
+
+SKIN_INLINE SkinPoint<SkinDouble4> spread(const SkinPoint<double> &p)
+{
+  const SkinDouble4 zero = {};
+  return {zero + p.x, zero + p.y, zero + p.z};
+}
+
 // ask for a vector from memory, some time before it is needed
 
 SKIN_INLINE void fetch(const double *all, int i)
@@ -166,6 +180,26 @@ SKIN_INLINE void add(double *all, const int *i, int stride, const SkinPoint<Skin
     *(SkinDouble2InMemory *) a += xy[k];
     a[2] += p.z[k];
   }
+}
+
+/* ----------------------------------------------------------------------
+   numbers that are stored one after the other
+------------------------------------------------------------------------- */
+
+template <class T> SKIN_INLINE T load_row(const double *row)
+{
+  if constexpr (skin_width<T> == 1) return row[0];
+  else return *(const SkinDouble4InMemory *) row;
+}
+
+SKIN_INLINE void store_row(double *row, double a)
+{
+  row[0] = a;
+}
+
+SKIN_INLINE void store_row(double *row, const SkinDouble4 &a)
+{
+  *(SkinDouble4InMemory *) row = a;
 }
 
 /* ----------------------------------------------------------------------

@@ -105,7 +105,7 @@ SKIN_VECTOR static double distances_squared(const int *list, int n, const double
                                             const double *x, double *distsq)
 {
   const SkinDouble4 zero = {};
-  const SkinPoint<SkinDouble4> four_points = {zero + point[0], zero + point[1], zero + point[2]};
+  const SkinPoint<SkinDouble4> four_points = spread({point[0], point[1], point[2]});
   SkinDouble4 four_least = zero + INFINITY;
   double least = INFINITY;
   int k = 0;

@@ -14,8 +14,18 @@ namespace LAMMPS_NS {
 typedef std::array<int, 2> SkinAtomPair;
 
 /* ----------------------------------------------------------------------
-   POTENTIAL::slope gives -dE/dr / r for a squared distance, or for four of them
+   forces on points that are this far from another one, for each of which POTENTIAL::slope gives
+   -dE/dr / r for a squared distance, or for four of them
 ------------------------------------------------------------------------- */
+
+template <class POTENTIAL, class T>
+SKIN_INLINE SkinPoint<T> skin_pair_force(const POTENTIAL &potential, const SkinPoint<T> &d,
+                                         T &least)
+{
+  const T rsq = dot(d, d);
+  least = smaller<T>(least, rsq);
+  return potential.template slope<T>(rsq) * d;
+}
 
 template <class POTENTIAL, class T>
 SKIN_INLINE void skin_add_pair_force(const SkinAtomPair *two, const POTENTIAL &potential,
@@ -23,16 +33,14 @@ SKIN_INLINE void skin_add_pair_force(const SkinAtomPair *two, const POTENTIAL &p
 {
   const int *a = two->data(), *b = a + 1;
   const SkinPoint<T> d = load<T>(x, b, 2) - load<T>(x, a, 2);
-  const T rsq = dot(d, d);
-  const SkinPoint<T> force = potential.template slope<T>(rsq) * d;
-  least = smaller<T>(least, rsq);
+  const SkinPoint<T> force = skin_pair_force(potential, d, least);
   add(f, a, 2, SkinPoint<T>{} - force);
   add(f, b, 2, force);
 }
 
 /* ----------------------------------------------------------------------
-   returns the least of the squared distances. The first of pairs stays the same for some while,
-   the second is anywhere
+   returns the least of the squared distances. The first of pairs mostly stays the same for some
+   while, in which the forces on it are summed; the second is anywhere
 ------------------------------------------------------------------------- */
 
 template <class POTENTIAL>
@@ -43,15 +51,35 @@ SKIN_INLINE double skin_add_pair_forces(const std::vector<SkinAtomPair> &all,
   const int n = (int) all.size();
   double least = INFINITY;
   SkinDouble4 four_least = SkinDouble4{} + least;
+  int center = n ? all[0][0] : 0;
+  SkinPoint<SkinDouble4> place = {}, sums = {};
+  if (n) place = spread(load<double>(x, &center, 1));
   int k = 0;
   for (; k + 4 <= n; k += 4) {
+    const SkinAtomPair *const four = all.data() + k;
     const SkinAtomPair *const later = all.data() + smaller(k + AHEAD, n - 4);
     for (int m = 0; m < 4; m++) {
       fetch(x, later[m][1]);
       fetch(f, later[m][1]);
     }
-    skin_add_pair_force<POTENTIAL, SkinDouble4>(all.data() + k, potential, x, f, four_least);
+    const int first = four[0][0];
+    if ((first != four[1][0]) | (first != four[2][0]) | (first != four[3][0])) {
+      skin_add_pair_force<POTENTIAL, SkinDouble4>(four, potential, x, f, four_least);
+      continue;
+    }
+    if (first != center) {
+      add(f, &center, 1, sum(sums));
+      center = first;
+      place = spread(load<double>(x, &center, 1));
+      sums = SkinPoint<SkinDouble4>{};
+    }
+    const int *const b = four->data() + 1;
+    const SkinPoint<SkinDouble4> d = load<SkinDouble4>(x, b, 2) - place;
+    const SkinPoint<SkinDouble4> force = skin_pair_force(potential, d, four_least);
+    add(f, b, 2, force);
+    sums = sums - force;
   }
+  if (n) add(f, &center, 1, sum(sums));
   for (; k < n; k++) skin_add_pair_force<POTENTIAL, double>(all.data() + k, potential, x, f, least);
   for (int m = 0; m < 4; m++) least = smaller(least, four_least[m]);
   return least;

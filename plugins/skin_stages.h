@@ -22,6 +22,12 @@ struct SkinStages {
   static SkinStages second_order(int);
 };
 
+// one stage for n coordinates whose forces act for this time; returns the largest square of the way
+// of one of them since the start of the step, infinite for what is no number
+
+double skin_advance(const SkinStage &, double time, int n, double *x, double *before,
+                    const double *start, const double *f);
+
 }    // namespace LAMMPS_NS
 
 #endif

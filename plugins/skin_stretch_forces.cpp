@@ -131,23 +131,69 @@ double LAMMPS_NS::skin_stretch_slope(const SkinStretch &c, double rsq)
   return slope_of<double>(rsq, c.data(), beyond);
 }
 
+/* ----------------------------------------------------------------------
+   energy of links that reach this far
+------------------------------------------------------------------------- */
+
+template <class T> SKIN_INLINE T energy_of(const SkinPoint<T> &d, const double *coeff)
+{
+  const double d2 = coeff[3], per_contact = 1.0 / coeff[1], per_d2 = 1.0 / d2;
+  const T zero = {}, one = zero + 1.0, rest = zero + d2;
+  const T s = root(dot(d, d)) * per_contact, above = larger<T>(s - 1.0, zero);
+  const T between = smaller<T>(larger<T>(s, rest), one) - d2;
+  const T spring = coeff[2] * per_d2 * per_d2 * between * (0.5 * between + above);
+  const T inverse = d2 / (smaller<T>(s, rest) - above);
+  const T inv3 = inverse * inverse * inverse, inv6 = inv3 * inv3;
+  return coeff[0] * (coeff[4] * spring + inv6 * (inv6 / 12.0 - 1.0 / 6.0));
+}
+
+template <class T>
+SKIN_INLINE T energy_of(const SkinThreeLinks *triangle, const double *x, const double *coeff)
+{
+  const int *a = triangle->data();
+  const SkinPoint<T> xa = load<T>(x, a, 3), xb = load<T>(x, a + 1, 3), xc = load<T>(x, a + 2, 3);
+  return energy_of(xb - xa, coeff) + energy_of(xc - xb, coeff) + energy_of(xa - xc, coeff);
+}
+
+template <class T>
+SKIN_INLINE T energy_of(const SkinOneLink *link, const double *x, const double *coeff)
+{
+  const int *a = link->data();
+  return energy_of(load<T>(x, a + 1, 2) - load<T>(x, a, 2), coeff);
+}
+
+template <class LINKS>
+SKIN_INLINE double energy_of_all(const std::vector<LINKS> &all, const double *x,
+                                 const double *coeff)
+{
+  const int n = (int) all.size();
+  SkinDouble4 four_sums = {};
+  double one_sum = 0.0;
+  int k = 0;
+  for (; k + 4 <= n; k += 4) four_sums += energy_of<SkinDouble4>(all.data() + k, x, coeff);
+  for (; k < n; k++) one_sum += energy_of<double>(all.data() + k, x, coeff);
+  return one_sum + sum(four_sums);
+}
+
+SKIN_VECTOR static double energy_of_group(const SkinLinks::Group &group, const double *x,
+                                          const double *coeff)
+{
+  return energy_of_all(group.threes, x, coeff) + energy_of_all(group.ones, x, coeff);
+}
+
+/* ---------------------------------------------------------------------- */
+
+double LAMMPS_NS::skin_stretch_energies(const SkinLinks::Group &group, const double *x,
+                                        const SkinStretch &c)
+{
+  return energy_of_group(group, x, c.data());
+}
+
 /* ---------------------------------------------------------------------- */
 
 double LAMMPS_NS::skin_stretch_energy(const SkinStretch &c, double r)
 {
-  const double a2 = c[2], d2 = c[3], s = r / c[1];
-
-  double spring = 0.0, argument = 1.0;
-  if (s < d2) {
-    argument = s / d2;
-  } else if (s <= 1.0) {
-    spring = 0.5 * a2 * (s - d2) * (s - d2) / (d2 * d2);
-  } else {
-    spring = a2 * (1.0 - d2) / (d2 * d2) * (s - 0.5 * (1.0 + d2));
-    argument = (1.0 + d2 - s) / d2;
-  }
-  const double inv6 = pow(argument, -6.0);
-  return c[0] * (c[4] * spring + inv6 * inv6 / 12.0 - inv6 / 6.0);
+  return energy_of(SkinPoint<double>{r, 0.0, 0.0}, c.data());
 }
 
 /* ---------------------------------------------------------------------- */

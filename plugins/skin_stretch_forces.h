@@ -23,6 +23,10 @@ double skin_stretch_curvature(const SkinStretch &, double r);
 
 double skin_stretch(const SkinLinks::Group &, const double *x, const SkinStretch &, double *f);
 
+// energy of links of one type
+
+double skin_stretch_energies(const SkinLinks::Group &, const double *x, const SkinStretch &);
+
 }    // namespace LAMMPS_NS
 
 #endif

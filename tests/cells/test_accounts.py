@@ -40,6 +40,27 @@ def test_sums_over_atoms_are_those_of_all(ranks: int, tmp_path: Path) -> None:
     assert [x, yz] == pytest.approx([0.0, 0.0], abs=1e-12 * abs(whole))
 
 
+def test_membrane_sums_are_those_over_atoms(tmp_path: Path) -> None:
+    """Energies and virials of links and folds, alone and where atoms are asked for theirs, too."""
+    sums = "c_stretch c_bend c_l[1] c_l[2] c_l[3] c_l[4] c_l[5] c_l[6] c_f[1] c_f[2] c_f[3] c_f[4]"
+    printed = 'print "OUT ' + " ".join(f"$({word}:%.17g)" for word in sums.split()) + '"'
+    lines = [
+        "group sheet type membrane", "displace_atoms sheet random 0.05 0.05 0.05 7",
+        "compute l all pressure NULL bond",
+        "compute f all pressure NULL dihedral",
+        f"thermo_style custom step {sums}", "thermo_modify norm no", "run 0 post no", printed,
+        "compute s all stress/atom NULL virial", "compute e all pe/atom",
+        "compute each all reduce sum c_s[1] c_e",
+        f"thermo_style custom step {sums} c_each[1] c_each[2]", "thermo_modify norm no",
+        "run 0 post no", printed,
+    ]  # fmt: skip
+    alone, beside = np.array(told(run_script(tmp_path, *lines, scene=busy(), ranks=2)))
+    assert np.abs(alone).min() > 1e-9
+    for term in (slice(0, 1), slice(1, 2), slice(2, 8), slice(8, 12)):
+        scale = np.abs(beside[term]).max()
+        assert alone[term] == pytest.approx(beside[term], rel=0, abs=1e-12 * scale)
+
+
 VIRIAL = " ".join(f"$(c_p[{n}]*vol:%.15g)" for n in range(1, 7))
 
 

@@ -75,6 +75,20 @@ def test_divided_step_is_a_chain_of_euler_steps(tmp_path: Path) -> None:
     np.testing.assert_allclose(delta, 0, atol=1e-12)
 
 
+def test_all_move_as_the_members_of_a_group_do() -> None:
+    scene, configuration = sheet(**{"numerics.timestep": 0.5, "numerics.rounding": 0.0})
+    places = []
+    for group in ("all", "every"):
+        with Simulation.begin(scene, configuration=configuration) as simulation:
+            simulation.command("group every union all")
+            simulation.command("unfix motion")
+            simulation.command(f"fix motion {group} skin/motion rkl1 stages 4 move 1.2")
+            simulation.run(until=5.0)
+            places.append(simulation.forces().positions)
+    assert np.abs(places[0] - configuration.positions).max() > 1e-3
+    np.testing.assert_allclose(*places, rtol=0, atol=1e-12)
+
+
 def test_collapsed_triangle_is_survived() -> None:
     """A triangle just turned over throws its corner away, unless the step is divided."""
     scene, configuration = sheet(**{"membrane.noise": 0.02})

@@ -37,7 +37,7 @@ class RunMonitor:
         self._start = simulation.time
         self._end = simulation.scene.end_time if until is None else until
         self._first_id = simulation.next_id()
-        self._first_cells = len(simulation.cells().ids)
+        self._first_cells = int(is_cell(simulation.types()).sum())
         self._ranks = counted(simulation.ranks, "rank")
         self._tissue: list[str] = []
         self._motion: Motion | None = None
@@ -71,11 +71,11 @@ class RunMonitor:
 
     def _look(self, time: float) -> None:
         """Cells by kind; new ones from the next id, since they are given in turn, never again."""
-        cells = self._simulation.cells()
+        types = self._simulation.types()
         self.time = time
-        self.counts = count_by_kind(cells.types, self._simulation.scene.kinds_of_cells)
+        self.counts = count_by_kind(types, self._simulation.scene.kinds_of_cells)
         self.births = self._simulation.next_id() - self._first_id
-        self.removals = self._first_cells + self.births - len(cells.ids)
+        self.removals = self._first_cells + self.births - int(is_cell(types).sum())
 
     def _said_of_tissue(self) -> Iterator[str]:
         """How much of the membrane is covered, and a remark if it is so by more than one layer."""

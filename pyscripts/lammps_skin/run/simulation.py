@@ -354,6 +354,11 @@ class Simulation:
         cells: Cells = self._running.cells()
         return cells
 
+    def types(self) -> Ints:
+        """Types of all particles (n,) as `Kind`, in any order."""
+        types: Ints = self._running.types()
+        return types
+
     def next_id(self) -> int:
         """The ID that the next newborn gets; above all that were ever given out."""
         return int(self._running.next_id())

@@ -16,6 +16,7 @@ from lammps_skin.trajectory.connectivity import connectivity
 from lammps_skin.trajectory.convert import convert
 from lammps_skin.trajectory.dump import Dump
 from lammps_skin.trajectory.frame import Frame
+from lammps_skin.trajectory.packed import PackedFrame, pack
 from lammps_skin.trajectory.store import DUMP, STORE, Store, trajectory_of
 from lammps_skin.trajectory.writer import Note, TrajectoryWriter, reason
 
@@ -27,7 +28,7 @@ class Recorder:
     there are two: a frame goes to skin.h5.next, which then takes the place of skin.h5, in one
     step of the file system; the former skin.h5 becomes the next and lacks that frame alone. At
     every moment, skin.h5 is complete and closed, and what others have open does not change. Each
-    frame is written twice, at a cost that does not depend on how many there are.
+    frame is packed once and written twice, at a cost that does not depend on how many there are.
 
     Parameters
     ----------
@@ -46,7 +47,8 @@ class Recorder:
         self._variables = dict(variables)
         self._interval = interval("dump_interval", scene, variables)
         self._notes: list[Note] = []  # not yet in skin.h5
-        self._missing: list[Frame | Note] | None = None  # in skin.h5.next; None: has to be made
+        # in skin.h5.next; None: that has to be made
+        self._missing: list[PackedFrame | Note] | None = None
         self._last_step: int | None = None  # None: skin.h5 has to be made
 
     def stops(self, engine: Any, step: int) -> Iterator[int]:
@@ -133,7 +135,7 @@ class Recorder:
 
         Where the former skin.h5 can have no second name, it is gone, and the next is a copy.
         """
-        news: list[Frame | Note] = [*self._notes, *frames]
+        news: list[PackedFrame | Note] = [*self._notes, *map(pack, frames)]
         with self._writer() as writer:
             missing, self._missing = [*(self._missing or []), *news], None
             for one in missing:

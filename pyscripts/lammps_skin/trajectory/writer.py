@@ -15,16 +15,21 @@ import numpy as np
 
 from lammps_skin.arrays import Ints
 from lammps_skin.errors import SkinError, why
-from lammps_skin.kinds import is_cell
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scene_keys import to_toml
 from lammps_skin.trajectory.check import GROUP, MEMBERS, NEXT_ID
-from lammps_skin.trajectory.frame import ABSENT, ADDED, CELL_STATE, WHOLE, Frame
+from lammps_skin.trajectory.frame import ABSENT, ADDED, CELL_STATE, Frame
 from lammps_skin.trajectory.hdf5 import open_hdf5
+from lammps_skin.trajectory.packed import (
+    FILTERS,
+    SLOTS_PER_CHUNK,
+    PackedFrame,
+    element_type,
+    pack,
+    write_chunks,
+)
 from lammps_skin.versions import versions
 
-SLOTS_PER_CHUNK = 4096
-PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}  # 4 takes twice as long
 BOUNDARY = ("periodic", "periodic", "none")
 HISTORY = "parameters/history"
 NOTE = np.dtype([("step", "i8"), ("time", "f8"), ("text", h5py.string_dtype())])
@@ -127,12 +132,12 @@ class TrajectoryWriter:
         """Step of the last frame, -1 if there is none."""
         return self._last_step
 
-    def add(self, one: Frame | Note) -> None:
+    def add(self, one: PackedFrame | Note) -> None:
         """Append a frame, or a line to the history."""
-        if isinstance(one, Frame):
-            self.write(one)
-        else:
+        if isinstance(one, Note):
             self._note(one)
+        else:
+            self._write(one)
 
     def go_on(self, step: int, time: float, variables: Mapping[str, object]) -> None:
         """State what counts from a moment on: variables and versions; the history tells of it."""
@@ -148,38 +153,31 @@ class TrajectoryWriter:
 
     def write(self, frame: Frame) -> None:
         """Append a frame; raises `SkinError` unless its step is after that of the last one."""
+        self._write(pack(frame))
+
+    def _write(self, frame: PackedFrame) -> None:
         if frame.step <= self._last_step:
             raise SkinError(
                 f"trajectory {self._path}: a frame of step {frame.step} cannot come after that "
                 f"of step {self._last_step}"
             )
-        self._slots = max(self._slots, int(frame.ids.max(initial=0)))
+        self._slots = max(self._slots, frame.slots)
         rows: dict[str, Any] = {"position/step": frame.step, "position/time": frame.time}
         rows |= {"box/edges/value": frame.edges, f"/{NEXT_ID}/value": frame.next_id}
         for name, row in rows.items():
             self._particles[name].resize(self._frames + 1, axis=0)
             self._particles[name][self._frames] = row
-        values = {"position": frame.positions, "id": frame.ids, "species": frame.kinds}
-        for name, column in values.items():
-            self._append(name, frame.ids, column)
-        cells = is_cell(frame.kinds)
-        for name, column in frame.state.items():
-            self._append(name, frame.ids[cells], column[cells])
+        for name, chunks in frame.chunks.items():
+            self._append(name, chunks)
         self._frames += 1
         self._last_step = frame.step
         self._file.flush()
 
-    def _append(self, name: str, ids: Ints, values: Any) -> None:
+    def _append(self, name: str, chunks: list[tuple[int, bytes]]) -> None:
         """Extend an element by a frame and by new slots; write the chunks that hold particles."""
         dataset = self._particles[name]["value"]
-        dataset.resize((self._frames + 1, self._slots, *values.shape[1:]))
-        slots = ids - 1
-        for begin in np.unique(slots // SLOTS_PER_CHUNK) * SLOTS_PER_CHUNK:
-            end = min(begin + SLOTS_PER_CHUNK, self._slots)
-            first, last = np.searchsorted(slots, [begin, end])
-            row = np.full((end - begin, *values.shape[1:]), dataset.fillvalue, dataset.dtype)
-            row[slots[first:last] - begin] = values[first:last]
-            dataset[self._frames, begin:end] = row
+        dataset.resize((self._frames + 1, self._slots, *dataset.shape[2:]))
+        write_chunks(dataset, self._frames, chunks)
 
     def _cut(self, frames: int) -> None:
         """Keep so many frames, and the slots of the ids that occur in them."""
@@ -200,7 +198,7 @@ class TrajectoryWriter:
         history[-1] = tuple(note)
 
     def _create_elements(self) -> None:
-        position = self._create("position", np.nan, "f8", (3,))
+        position = self._create("position", (3,))
         position.create_dataset("step", (0,), "i8", maxshape=(None,), chunks=(1024,))
         position.create_dataset("time", (0,), "f8", maxshape=(None,), chunks=(1024,))
         box = self._particles.create_group("box")
@@ -208,8 +206,7 @@ class TrajectoryWriter:
         box.attrs.create("boundary", BOUNDARY, dtype=h5py.string_dtype("ascii", 8))
         edges = box.create_group("edges")
         edges.create_dataset("value", (0, 3), "f8", maxshape=(None, 3), chunks=(256, 3))
-        others = [self._create("id", ABSENT, "i4"), self._create("species", ABSENT, "i4")]
-        others += [self._create_state(name) for name in CELL_STATE]
+        others = [self._create(name) for name in ("id", "species", *CELL_STATE)]
         self._link_times(edges, self._create_next_id(), *others)
 
     def _create_next_id(self) -> Any:
@@ -218,9 +215,6 @@ class TrajectoryWriter:
             "value", (0,), "i8", maxshape=(None,), fillvalue=ABSENT, chunks=(1024,)
         )
         return group
-
-    def _create_state(self, name: str) -> Any:
-        return self._create(name, CELL_STATE[name], "i4" if name in WHOLE else "f8")
 
     def _link_times(self, *elements: Any) -> None:
         for element in elements:
@@ -231,7 +225,7 @@ class TrajectoryWriter:
         """Create the elements that an older file lacks; its frames do not tell them."""
         for name in ADDED:
             if name not in self._particles:
-                element = self._create_state(name)
+                element = self._create(name)
                 element["value"].resize((self._frames, self._slots))
                 self._link_times(element)
         if NEXT_ID not in self._file:
@@ -239,12 +233,13 @@ class TrajectoryWriter:
             element["value"].resize(self._frames, axis=0)
             self._link_times(element)
 
-    def _create(self, name: str, fill: float, kind: str, inner: tuple[int, ...] = ()) -> Any:
+    def _create(self, name: str, inner: tuple[int, ...] = ()) -> Any:
         """A time-dependent element of the particles, without its step and time."""
         group = self._particles.create_group(name)
+        kind, fill = element_type(name)
         group.create_dataset(
             "value", (0, 0, *inner), kind, maxshape=(None, None, *inner), fillvalue=fill,
-            chunks=(1, SLOTS_PER_CHUNK, *inner), **PACKED,
+            chunks=(1, SLOTS_PER_CHUNK, *inner), **FILTERS,
         )  # fmt: skip
         return group
 
