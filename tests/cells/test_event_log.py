@@ -27,7 +27,7 @@ def split(path: Path) -> tuple[list[list[str]], list[float]]:
     return [list(row.values()) for row in rows], places
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_the_event_log_is_what_it_was(ranks: int, tmp_path: Path) -> None:
     """Births of both kinds, ends of both kinds of pairs, deaths of both kinds."""
     scene = Scene.load("no-dermis").replace(**CROWDED)

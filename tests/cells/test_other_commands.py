@@ -45,7 +45,7 @@ def test_cells_immigrate(order: str, ranks: int, tmp_path: Path) -> None:
     if order == "before":
         lines = ["unfix cells", *lines, f"fix cells cells {fix_line(busy())} log events.csv"]
     process = run_script(
-        tmp_path, *lines, DUMP, "run 44 post no",
+        tmp_path, *lines, DUMP, "run 32 post no",
         'print "OUT $(f_cells[7]) $(f_cells[9]) $(f_cells[10]) $(f_cells[11])"',
         scene=busy(), ranks=ranks,
     )  # fmt: skip

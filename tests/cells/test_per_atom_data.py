@@ -162,7 +162,7 @@ def test_newborn_does_not_depend_on_ranks(many: int, tmp_path: Path) -> None:
         columns = "id type mol ix iy i_clone d_dose i_parent i_pair"
         lines = [
             *CLONE,
-            "run 36 post no",
+            "run 24 post no",
             f"write_dump cells custom x.dump {columns} modify sort id",
         ]
         directory = tmp_path / str(ranks)

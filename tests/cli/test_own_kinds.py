@@ -24,7 +24,7 @@ from tests.cells.conftest import lmp
 
 SCENE = """
 name = "own"
-end_time = 12.0
+end_time = 8.0
 dermis.present = false
 membrane.lattice = [24, 28]
 

@@ -112,12 +112,12 @@ def test_a_run_on_as_many_ranks_as_pay_off(
     skin: Callable[..., Any], small_ranks: pytest.MonkeyPatch
 ) -> None:
     """Its progress says how many; the lineage is that of one, also after going on on one."""
-    answer = skin("run", "one-stem", "--until", 10, "-o", "two", *QUICK)
+    answer = skin("run", "one-stem", "--until", 5, "-o", "two", *QUICK)
     assert answer.code == 0 and "t/s  2 ranks; " in answer.out
     assert "on 2 procs" in Path("two/log.lammps").read_text()
-    answer = skin("run", "two", "--resume", "--until", 20, "--ranks", 1)
+    answer = skin("run", "two", "--resume", "--until", 10, "--ranks", 1)
     assert answer.code == 0 and "t/s  1 rank; " in answer.out
-    skin("run", "one-stem", "--until", 20, "-o", "one", "--ranks", 1, *QUICK)
+    skin("run", "one-stem", "--until", 10, "-o", "one", "--ranks", 1, *QUICK)
     assert sum(event.kind == "birth" for event in read_events(Path("one"))) > 5
     assert_same_events(Path("two"), Path("one"))
 

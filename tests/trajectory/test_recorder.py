@@ -165,7 +165,7 @@ def test_frames_do_not_change_under_a_reader_where_nothing_is_locked(run, built,
 
 
 @pytest.mark.parametrize(
-    ("ranks", "every", "end"), [(1, None, 4.0), (1, 0.07, 4.0), (2, 0.31, 2.0)]
+    ("ranks", "every", "end"), [(1, None, 4.0), (1, 0.07, 4.0), (2, 0.31, 1.5)]
 )
 def test_recording_changes_nothing(run, tmp_path, ranks, every, end):
     """Frames are at their times whatever the pieces, and the run is the same to the last bit."""

@@ -26,7 +26,8 @@ def lives(pid: int) -> bool:
 
 def test_sigterm_ends_the_children_quietly(tmp_path):
     command = [*SKIN, "ensemble", "two-cells", "--seeds", "1,2", "--jobs", "2",
-               "--set", "end_time=100000", "--set", "output.dump_interval=1000"]  # fmt: skip
+               "--set", "end_time=100000", "--set", "output.dump_interval=1000",
+               "--set", "dermis.present=false"]  # fmt: skip
     process = subprocess.Popen(
         command, cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
     )

@@ -203,8 +203,11 @@ def test_dense_dermis(level: str) -> None:
     assert run(scene.replace(end_time=3.0)) == ""
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
-@pytest.mark.parametrize("form", ["analytic", "table"])
+@pytest.mark.parametrize(
+    ("form", "ranks"),
+    [("analytic", 1), ("table", 1), ("analytic", 2),
+     pytest.param("table", 2, marks=pytest.mark.slow)],
+)  # fmt: skip
 def test_overstretched_link_is_named(form: str, ranks: int) -> None:
     free = {"cells.stem": 0, "numerics.largest_move": 0.0, "numerics.pair_form": form}
     with Simulation.begin(small("reference", **free), ranks=ranks) as simulation:
@@ -297,8 +300,10 @@ FORCES = {
 
 
 @pytest.mark.parametrize(
-    ("term", "ranks"), [*((term, 1) for term in (*FORCES, "push")), ("pair", 2), ("bend", 2)]
-)
+    ("term", "ranks"),
+    [*((term, 1) for term in (*FORCES, "push")), ("pair", 2),
+     pytest.param("bend", 2, marks=pytest.mark.slow)],
+)  # fmt: skip
 def test_the_term_that_is_unstable_is_named(term: str, ranks: int) -> None:
     """A force that no step is short enough for, on a particle, and where it comes from."""
     changes, apart, named = FORCES.get(term, ({}, 9.0, "fix push of style addforce"))
