@@ -45,6 +45,9 @@ def written(run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def page(browser: Browser, written: Path) -> Browser:
     """The page as it is opened from disk."""
     browser.errors.clear()
-    browser.requested.clear()
-    browser.open(written.as_uri())
+    if browser.shown == written.as_uri():
+        browser.restore()
+    else:
+        browser.requested.clear()
+        browser.open(written.as_uri())
     return browser

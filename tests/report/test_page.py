@@ -31,11 +31,12 @@ PLACE = """(() => {{
 
 
 def pixels(page: Browser) -> np.ndarray[Any, Any]:
-    """Pixels of the picture in three dimensions, once it is drawn."""
+    """Pixels of the picture in three dimensions, once it is drawn; its edges may be half ones."""
     page.until(f"!{VIEW}.due")
     box = "document.querySelector('.view canvas').getBoundingClientRect()"
     place = page.value(f"(() => {{ const b = {box}; return [b.x, b.y, b.width, b.height]; }})()")
-    return page.picture(**dict(zip(("x", "y", "width", "height"), place, strict=True)))
+    picture = page.picture(**dict(zip(("x", "y", "width", "height"), place, strict=True)))
+    return picture[1:-1, 1:-1]
 
 
 def drawn(picture: np.ndarray[Any, Any]) -> float:
@@ -58,7 +59,8 @@ def test_the_slider_changes_what_is_drawn(page: Browser, run: Path) -> None:
         page.choose("slider", str(n))
         cells = frame.positions[is_cell(frame.kinds)]
         assert page.value(f"{VIEW}.drawn") == page.value(f"{VIEW}.balls.count") == len(cells)
-        assert f"{len(cells)} cells drawn" in page.value(f"{VIEW}.caption.textContent")
+        told = f"{len(cells)} cell{'s' * (len(cells) > 1)} drawn"
+        assert told in page.value(f"{VIEW}.caption.textContent")
         first, until = page.value(f"[{VIEW}.run.start[{n}], {VIEW}.run.start[{n + 1}]]")
         shown = [page.value(f"{VIEW}.run.cell({m})") for m in range(first, until)]
         off = np.array(shown) - cells
