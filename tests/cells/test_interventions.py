@@ -242,9 +242,10 @@ def whole(busy: Scene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
-@pytest.mark.parametrize(
-    "box", ["", "change_box all triclinic\ncomm_style tiled\nbalance 1.0 rcb\n"], ids=["", "tiled"]
-)
+TILED = "change_box all triclinic\ncomm_style tiled\nbalance 1.0 rcb\n"
+
+
+@pytest.mark.parametrize("box", ["", pytest.param(TILED, id="tiled", marks=pytest.mark.slow)])
 def test_two_ranks_do_the_same(box: str, whole: Path, tmp_path: Path) -> None:
     shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
     (tmp_path / "events.csv").unlink()
