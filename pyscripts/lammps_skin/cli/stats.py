@@ -34,7 +34,6 @@ def stats(
     as_json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
 ) -> None:
     """Show the observables of a run: over time, averaged, with events and energies."""
-    from lammps_skin.analysis.basal_layer import last_remark
     from lammps_skin.analysis.summary import (  # MDAnalysis takes a second to import
         summary,
         without_nan,
@@ -58,7 +57,7 @@ def stats(
     moments = [_number(found["observables"]["time"][place]) for place in places]
     tables = [
         (["", *moments], _over_time(found, places)),
-        ([window, "mean", "95 % interval", "frames", "trend"], _averages(means["means"])),
+        ([window, "mean", "95 % interval", "frames", "trend"], _averages(found)),
     ]
     if found["events"]:
         tables.append((["events", ""], _happened(found["events"], window)))
@@ -66,19 +65,25 @@ def stats(
         tables.append((heads, _clones(found["events"])))
     if found["energies"]:
         tables.append((["energy", "first", "mean", "last"], _energies(found["energies"])))
-    if line := last_remark(found["observables"]):
-        console.print(line)
-    trends = {mean["trend"] for mean in means["means"].values()}
-    if trends & {"rises", "falls"}:
-        console.print(
-            f"not stationary in {window}: what rises or falls has a mean of this window alone"
-        )
-    if "unclear" in trends:
-        console.print(
-            f"{window} has too few frames to tell whether what has an unclear trend is stationary"
-        )
     for heads, rows in tables:
         print_table(heads, rows, right=True)
+    for line in _remarks(found, window):
+        console.print(f"\n{line}")
+
+
+def _remarks(found: dict[str, Any], window: str) -> Iterator[str]:
+    """What the tables do not tell by themselves."""
+    from lammps_skin.analysis.basal_layer import last_remark
+
+    if line := last_remark(found["observables"]):
+        yield line
+    trends = {mean["trend"] for mean in found["window"]["means"].values()}
+    if trends & {"rises", "falls"}:
+        yield f"not stationary in {window}: what rises or falls has a mean of this window alone"
+    if "unclear" in trends:
+        yield (
+            f"{window} has too few frames to tell whether what has an unclear trend is stationary"
+        )
 
 
 def _seeds(told: dict[str, Any]) -> str:
@@ -120,9 +125,12 @@ def _over_time(found: dict[str, Any], places: list[int]) -> Iterator[tuple[str, 
             yield name, *map(_number, values)
 
 
-def _averages(means: dict[str, Any]) -> Iterator[tuple[str, ...]]:
-    for name, mean in means.items():
-        if mean["n"] and not name.endswith(SPREADS):
+def _averages(found: dict[str, Any]) -> Iterator[tuple[str, ...]]:
+    columns = list(found["observables"])
+    kinds = columns[1 : columns.index("births")]
+    absent = [kind for kind in kinds if not any(found["observables"][kind])]
+    for name, mean in found["window"]["means"].items():
+        if mean["n"] and not name.endswith(SPREADS) and not set(name.split("_")) & set(absent):
             defined = mean["low"] == mean["low"]
             interval = f"{_number(mean['low'])} to {_number(mean['high'])}" if defined else "-"
             trend = "" if mean["trend"] == "none" else mean["trend"]
