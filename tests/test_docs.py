@@ -82,9 +82,13 @@ def test_skin_commands_parse() -> None:
 
 def test_lmp_commands_name_variables() -> None:
     given = {"dir", "restart", *index_variables()}
-    for page, words in commands("lmp"):
-        for flag, name in pairwise(words):
-            assert flag != "-var" or name in given, f"{page}: {name}"
+    found = [
+        (page, name)
+        for page, words in commands("lmp") for flag, name in pairwise(words) if flag == "-var"
+    ]  # fmt: skip
+    assert found
+    for page, name in found:
+        assert name in given, f"{page}: {name}"
 
 
 def test_toml_examples_are_scenes() -> None:

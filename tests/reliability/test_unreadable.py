@@ -114,16 +114,12 @@ def test_what_is_read_in_a_locked_directory(
      "skin.in", "skin.step3.restart"],
 )  # fmt: skip
 def test_locked_file(name: str, ended: str, sandbox: Sandbox) -> None:
-    """A run is resumed without the file, or is refused and left as it was."""
+    """The run is not resumed without the file, and is left as it was."""
     outcome = sandbox(try_locked, ended, name, 0, ("run", "run", "--resume", "--until", "0.05"))
     outcome.check()
-    before, after = sizes(ended), in_run(outcome)
-    if outcome.code:
-        assert name in outcome.err
-        assert after == before
-    else:
-        assert name in outcome.out
-        assert {"skin.h5", "events.csv", "skin.step5.restart"} <= set(after)
+    assert outcome.code == 2
+    assert name in outcome.err and "Permission denied" in outcome.err
+    assert in_run(outcome) == sizes(ended)
 
 
 def sizes(directory: str) -> dict[str, int]:
