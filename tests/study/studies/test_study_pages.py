@@ -7,6 +7,7 @@ import runpy
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from lammps_skin.study.studies.design import Design
 from lammps_skin.study.studies.sensitivity import effects, sensitivities
@@ -36,6 +37,24 @@ def test_tables(
     assert len(rows) > 3
     missing = [row for row in rows if row not in text(page).splitlines()]
     assert not missing
+
+
+NUMBER = r"(-?\d+(?:\.\d+)?(?:e-?\d+)?)"
+MEAN = re.compile(rf"{NUMBER} \[{NUMBER}, {NUMBER}\]")
+
+
+@pytest.mark.parametrize("page", [page for page in BY_NAME if page.startswith("studies/")])
+def test_intervals_in_sentences_are_those_of_the_tables(page: str) -> None:
+    """Rounded as they are in the sentence; "lower by" has the opposite sign."""
+    lines = text(page).splitlines()
+    told = " ".join(line.strip() for line in lines if not line.startswith("|"))
+    table = "\n".join(line for line in lines if line.startswith("|"))
+    known = [tuple(map(float, found)) for found in MEAN.findall(table)]
+    known += [(-value, -high, -low) for value, low, high in known]
+    for found in MEAN.findall(told):
+        errors = [0.5 * 10.0 ** -len(word.partition(".")[2]) + 1e-9 for word in found]
+        values = np.array(found, float)
+        assert (abs(np.array(known) - values) <= errors).all(axis=1).any(), found
 
 
 def test_pictures_are_shown() -> None:
