@@ -42,6 +42,7 @@ MODES = np.array([1, 2, 3, 4, 6, 8, 10, 12, 16, 20])  # of L_x, pushed
 PUSH = 0.002
 QUIET, ONSET = Window(100, 150), Window(250, 300)
 WINDOWS = [ONSET, Window(300, 350), Window(350, 400), Window(400, 500), Window(500, 600)]
+WAYS = ((50.0, 0), (5.0, 0), (5.0, 2))  # intervals, and how many of them instruments lie before
 LONG = (0.0, 1.0)  # wave numbers of waves longer than two cells
 BANDS = [(k, k + 0.25) for k in np.arange(0.25, 2.25, 0.25).tolist()]
 BEGIN, TIMES = 200.0, np.array([200.0, 250.0, 300.0, 350.0])
@@ -92,13 +93,15 @@ def study(run: str) -> dict[str, list[dict[str, float]]]:
                                 **parts._asdict()})  # fmt: skip
     tables["terms"] = [
         {"seed": seed, "start": window.start, "end": window.end, "interval": interval,
-         **coefficients(fields.within(window), continuum, interval, LONG)._asdict()}
-        for window in WINDOWS for interval in (5.0, 50.0)
+         "earlier": earlier,
+         **coefficients(fields.within(window), continuum, interval, LONG, earlier)._asdict()}
+        for window in WINDOWS for interval, earlier in WAYS
     ]  # fmt: skip
     coarse = fields.coarse(2 * scene.cells.radius)
     begin = int(np.searchsorted(coarse.time, BEGIN))
     tables["solution"] = []
-    for lever in (0.0, scene.cells.radius):
+    above = scene.cells.radius + scene.membrane.radius
+    for lever in (0.0, scene.cells.radius, above):
         lifted = Continuum(drag, lever, restoring)
         solved = lifted.solve(coarse.height[begin], coarse.pull_at, sides, TIMES)
         for time, height in zip(TIMES.tolist(), solved, strict=True):
@@ -141,10 +144,11 @@ def tell_all(tables: dict[str, list[dict[str, float]]]) -> None:
     tell(tables["waves"], "k",
          {"wave number": "k", "growth in runs": "growth", "of the equation": "expected",
           "first term": "first", "second term": "second", "explained": "explained"})  # fmt: skip
-    for interval in (5.0, 50.0):
-        chosen = [row for row in tables["terms"] if row["interval"] == interval]
-        tell(chosen, "start", {"t from": "start", "first term": "first", "second term": "second",
-                               "explained": "explained"})  # fmt: skip
+    for interval, earlier in WAYS:
+        chosen = [row for row in tables["terms"]
+                  if (row["interval"], row["earlier"]) == (interval, earlier)]  # fmt: skip
+        columns = {"t from": "start", "first term": "first", "second term": "second"}
+        tell(chosen, "start", columns if earlier else columns | {"explained": "explained"})
     for lever in sorted({row["lever"] for row in tables["solution"]}):
         chosen = [row for row in tables["solution"] if row["lever"] == lever]
         tell(chosen, "time",

@@ -111,6 +111,23 @@ def test_the_terms_of_a_solution_are_found_in_it(solved: Fields) -> None:
     assert found.explained > 0.99
 
 
+def test_noise_of_the_pull_makes_least_squares_too_small_but_not_instruments(
+    solved: Fields,
+) -> None:
+    """Each frame has noise of its own, more than twice what varies of the pull."""
+    random = np.random.default_rng(1)
+    found = []
+    for _ in range(12):
+        pull = solved.pull + random.normal(scale=0.05, size=solved.pull.shape)
+        noisy = solved._replace(pull=pull)
+        found.append(
+            [coefficients(noisy, CONTINUUM, 1.0, (0.0, 0.8), earlier).second for earlier in (0, 2)]
+        )
+    least, instruments = np.mean(found, axis=0)
+    assert least < 0.75 * LEVER
+    assert instruments == pytest.approx(LEVER, abs=3 * 0.06 / np.sqrt(len(found)))
+
+
 def test_growth_of_a_wave_is_found(solved: Fields) -> None:
     """Above what was there before."""
     x, times = line(24), solved.time

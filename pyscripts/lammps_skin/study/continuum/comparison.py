@@ -66,9 +66,15 @@ class Coefficients(NamedTuple):
 
 
 def coefficients(
-    fields: Fields, continuum: Continuum, interval: float, band: tuple[float, float]
-) -> Coefficients:
-    """Least squares over the waves of a band and over all frames.
+    fields: Fields, continuum: Continuum, interval: float, band: tuple[float, float],
+    earlier: int = 0,
+) -> Coefficients:  # fmt: skip
+    """Least squares over the waves of a band and over all frames, or with instruments.
+
+    Noise of the terms makes the coefficients of least squares too small. With `earlier` the terms
+    of an interval before are instruments: their noise is another, so that what they have in common
+    with the terms of now is no noise. Those of the interval just before share a frame, so two
+    intervals are the least that is of use.
 
     Parameters
     ----------
@@ -79,10 +85,12 @@ def coefficients(
         Time over which changes and means are taken, a multiple of that between frames.
     band : (float, float)
         Wave numbers, 1/length.
+    earlier : int
+        How many intervals the instruments lie before; 0 for least squares.
     """
     step = max(round(interval / (fields.time[1] - fields.time[0])), 1)
-    if step >= len(fields.time):
-        raise SkinError(f"interval = {interval:g}: is longer than the {len(fields.time)} frames")
+    if step * (1 + earlier) >= len(fields.time):
+        raise SkinError(f"interval = {interval:g}: is too long for the {len(fields.time)} frames")
     chosen = _band(fields, band)
     terms = [
         continuum.terms(height, pull, fields.sides)
@@ -101,8 +109,9 @@ def coefficients(
         )
         left = continuum.drag * change + resisting
         rows += [np.array([_waves(field, chosen) for field in (left, growing, lifting)])]
-    left, *right = np.concatenate(rows, axis=1)
-    found = np.linalg.lstsq(np.array(right).T, left, rcond=None)[0]
+    left, *right = np.concatenate(rows[earlier:], axis=1)
+    _, *before = np.concatenate(rows[: len(rows) - earlier], axis=1)
+    found = np.linalg.solve(np.array(before) @ np.array(right).T, np.array(before) @ left)
     rest = left - found @ np.array(right)
     return Coefficients(float(found[0]), float(found[1]), 1 - float(rest @ rest / (left @ left)))
 
