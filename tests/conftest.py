@@ -14,8 +14,9 @@ import pytest
 if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# ranks that wait sleep instead of spinning: tests on two ranks share the cores with other tests
+# ranks that wait soon sleep instead of spinning: those of tests share the cores with other tests
 os.environ.setdefault("MPIR_CVAR_CH4_PROGRESS_THROTTLE", "1")
+os.environ.setdefault("MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT", "256")  # not 4096
 
 
 def pytest_xdist_auto_num_workers() -> int | None:

@@ -14,7 +14,7 @@ from lammps_skin.start.configuration import Configuration
 from tests.cells.conftest import CONTACT, FREEZE, HEIGHT, crowd, grid, membrane_scene, place, wave
 
 TIMESTEP = 0.02
-STEPS = 120
+STEPS = 150
 
 
 def image_distances(particles: Forces, cells: Cells, sides: tuple[float, float]) -> np.ndarray:
@@ -63,7 +63,7 @@ def test_partner_is_the_nearest_at_every_step(ranks: int, neighbor_skin: float) 
     every = (2, 10)[ranks - 1]  # steps
     crowded = crowd(scene, across=6, amplitude=1.5, above=1.9)
     with Simulation.begin(scene, configuration=crowded, ranks=ranks) as simulation:
-        simulation.command("fix drag cells addforce 3.4 -1.7 0.0")
+        simulation.command("fix drag cells addforce 2.0 -1.0 0.0")
         simulation.run(until=STEPS * TIMESTEP, progress=check, every=every * TIMESTEP)
 
     assert len(partners) == STEPS // every
