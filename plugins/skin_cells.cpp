@@ -55,6 +55,17 @@ void SkinCells::check(int i, bigint next_id) const
     if (!std::isfinite(value))
       error->one(FLERR, "Fix skin/cells: {} = {} of cell {} must be finite", name, value,
                  atom->tag[i]);
+
+  // data files do not hold the time
+
+  const double now = clock.time_of_step(update->ntimestep);
+  for (const auto &[name, value] : {std::pair{"birth_time", state.birth_time[i]},
+                                    std::pair{"pair_start", state.pair_start[i]},
+                                    std::pair{"detached_time", state.detached_time[i]}})
+    if (value > 0.0 && value > now + update->dt)
+      error->one(FLERR, "Fix skin/cells: {} = {} of cell {} is after the time of the run, {}: use "
+                 "reset_timestep with the step and the time of its state", name, value,
+                 atom->tag[i], now);
 }
 
 /* ---------------------------------------------------------------------- */
