@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 
 import pytest
+from lammps_skin.cli import main
 from lammps_skin.engine import ranks
 from lammps_skin.engine.machine import memory_limits, quotas
 from lammps_skin.engine.ranks import RankedEngine, check_shared_memory
@@ -356,11 +357,14 @@ def test_backend_and_style_of_matplotlib(here: Path) -> None:
     """The same picture, whatever the user has set for others."""
     with Simulation.begin("scene.toml", "run") as simulation:
         simulation.run()
+    drawing = ("snapshot", "run", "--view", "height", "-o")
+    with pytest.raises(SystemExit) as drawn:
+        main([*drawing, "a.png"])
+    assert drawn.value.code == 0
     (here / "matplotlibrc").write_text("text.usetex: True\naxes.facecolor: black\n")
     notebook = {"MPLBACKEND": "module://matplotlib_inline.backend_inline"}
-    for name, environment in (("a.png", {}), ("b.png", {"MATPLOTLIBRC": str(here), **notebook})):
-        ended = skin("snapshot", "run", "--view", "height", "-o", name, **environment)
-        assert ended.returncode == 0, ended.stderr
+    ended = skin(*drawing, "b.png", MATPLOTLIBRC=str(here), **notebook)
+    assert ended.returncode == 0, ended.stderr
     assert Path("a.png").read_bytes() == Path("b.png").read_bytes()
 
 

@@ -53,6 +53,7 @@ BEYOND = {  # what not every level can run: how each ends
         {"reference": STIFF_SPRINGS, "balanced": "", "fast": ""},
     ),
 }  # fmt: skip
+LONG = {("division springs x 4e6", "fast")}  # as on the level before it, which is quick
 CROWD = r"unstable on step 1: .* pair forces with atom \d+ of type 3 at a distance of 0\.\d+, "
 CROWDS = {  # ten thousand cells, thrown into one layer or in layers
     ("reference", "thrown"): rf"skin/core: .* of types 3 and 3 overlap on step 0: .*{THROWN}",
@@ -118,8 +119,11 @@ def test_extreme_parameters(extreme: str, level: str) -> None:
     assert run(small(level, **TOUGH[extreme])) == ""
 
 
-@pytest.mark.parametrize("level", LEVELS)
-@pytest.mark.parametrize("extreme", BEYOND)
+@pytest.mark.parametrize(
+    ("extreme", "level"),
+    [pytest.param(extreme, level, marks=pytest.mark.slow if (extreme, level) in LONG else ())
+     for extreme in BEYOND for level in LEVELS],
+)  # fmt: skip
 def test_parameters_beyond_a_level(extreme: str, level: str) -> None:
     changes, outcomes = BEYOND[extreme]
     assert ends(run(small(level, **changes)), outcomes[level])
