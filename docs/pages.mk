@@ -162,13 +162,14 @@ TIPS := stem_on_tips-stem_tips_expected
 STEM := stem_on_tips stem_tips_expected chi_H zeta
 TISSUE := ta exhausted coverage none_below membrane_area height_std skewness papillae papilla_height
 ND := nd_on_tips nd_tips_expected chi_H_nd zeta_nd
+YOUNG := young_on_tips young_tips_expected zeta_young
 MUTANT := mutant_on_tips mutant_tips_expected zeta_mutant
 
 $(call asked,outward,$(STEM) $(TISSUE),skewness height_std papillae $(TIPS) zeta none_below,400-600)
 $(call asked,photoaging,stem $(STEM) $(TISSUE),height_std papillae papilla_height membrane_area ta skewness,600-750 750-900)
 $(call asked,clone,ta exhausted mutantta mutantex $(MUTANT),mutantta mutantex ta,300-400 500-600)
 $(call asked,wound,stem ta exhausted coverage,coverage coverage>0.93,700-840)
-$(call asked,adhesion,stem nd $(STEM) $(ND) coverage none_below skewness papillae,$(TIPS) nd_on_tips-nd_tips_expected zeta zeta_nd,400-600)
+$(call asked,adhesion,stem nd young $(STEM) $(ND) $(YOUNG) coverage none_below skewness papillae,$(TIPS) nd_on_tips-nd_tips_expected young_on_tips-young_tips_expected zeta zeta_nd zeta_young,400-600)
 $(call asked,finite-size,$(STEM) $(TISSUE) papilla_spacing papilla_width cell_area chi_G sigma,papilla_spacing height_std skewness none_below zeta $(TIPS),400-600)
 
 NINE := chi_H chi_G zeta skewness papillae height_std none_below coverage $(TIPS)

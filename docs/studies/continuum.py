@@ -178,6 +178,9 @@ def draw(tables: dict[str, list[dict[str, float]]]) -> Figure:
         rows = [row | {"middle": (row["start"] + row["end"]) / 2}
                 for row in tables["terms"] if row["interval"] == 50.0]  # fmt: skip
         bars(course, averaged(rows, "middle", column), name)
+    rows = [row | {"middle": (row["start"] + row["end"]) / 2}
+            for row in tables["terms"] if row["earlier"]]  # fmt: skip
+    bars(course, averaged(rows, "middle", "second"), "second term, with instruments")
     for axes in (waves, course):
         axes.axhline(1, color="grey", linewidth=0.8)
     waves.set(xlabel="wave number", ylabel="coefficient, t = 250-300", ylim=(-0.2, 4))

@@ -119,8 +119,9 @@ def run(
                 console.print(str(path))
             activity.error = f"{counted(len(failures), 'run')} failed" if failures else ""
             activity.end()
+    names = _names(asked)
     for one, text in failures.items():
-        console.print(f"failed: {one.directory.name}: {text}")
+        console.print(f"failed: {names.get(one.directory, one.directory.name)}: {text}")
     if failures:
         raise typer.Exit(FAILED)
 
@@ -209,9 +210,10 @@ def status(file: File, output: Folder = None, quick: Quick = False) -> None:
     console.print(f"{len(asked.runs) - len(missing)} of {counted(len(asked.runs), 'run')} done")
     if todo:
         console.print(f"to do: about {duration(expected_seconds(todo))} of one core")
+    names = _names(asked)
     for one in asked.runs:
         if states[one.directory] == "failed":
-            console.print(f"failed: {one.directory.name}: {one.error}")
+            console.print(f"failed: {names[one.directory]}: {one.error}")
 
 
 @study.command()
@@ -295,21 +297,31 @@ def opened(file: Path, output: Path | None, quick: bool = False) -> Study:
     return asked
 
 
+def _names(asked: Study) -> dict[Path, str]:
+    """What runs are called, by their directories: the point, the seed, the directory."""
+    return {
+        run.directory: f"{point.point.label}, seed {run.seed} ({run.directory.name})"
+        for point in reversed(asked.points)
+        for run in point.runs
+    }
+
+
 def _answered(
     file: Path, output: Path | None, columns: str | None, quick: bool
 ) -> tuple[Study, dict[str, Table], list[str]]:
     """A study whose tables are up to date, its time courses, and the columns that are wanted."""
-    from lammps_skin.study.studies.answer import SHOWN, check_columns
+    from lammps_skin.study.studies.answer import SHOWN, check_columns, defined
     from lammps_skin.study.studies.tables import observables_of, read_courses, write_tables
 
     asked = opened(file, output, quick)
-    wanted = ["".join(word.split()) for word in columns.split(",")] if columns else list(SHOWN)
+    wanted = ["".join(word.split()) for word in columns.split(",")] if columns else []
     check_columns(wanted, observables_of(asked))
     if not any(run.done for run in asked.runs):
         raise SceneError(f"study {file}: no run is done in {asked.folder}")
     asked.write_design()
     write_tables(asked)
-    return asked, read_courses(asked.folder), wanted
+    courses = read_courses(asked.folder)
+    return asked, courses, wanted or defined(asked.design, courses, SHOWN)
 
 
 def _sensitivities(

@@ -112,15 +112,15 @@ def compare(
 
 
 def _rows(conditions: Sequence[Condition], column: str, window: Window) -> Iterator[Row]:
-    """Of one column in one window; none if no condition has a value."""
+    """Of one column in one window; none of a condition that has no value."""
     values = [
         {seed: statistic(table, column, window) for seed, table in one.by_seed.items()}
         for one in conditions
     ]
-    if np.isnan([value for of_one in values for value in of_one.values()]).all():
-        return
     for number, (one, by_seed) in enumerate(zip(conditions, values, strict=True)):
         value = average(_defined(by_seed), column)
+        if not value.n:
+            continue
         apart = contrast(by_seed, values[0]) if number else None
         yield Row(column, window, one.name, value, apart)
 
@@ -177,6 +177,11 @@ def remarks(conditions: Sequence[Condition], rows: Sequence[Row]) -> list[str]:
             f"one seed {of}: differences are shown without a test, since nothing tells how much "
             "of them is chance; run several seeds"
         )
+    told = {(row.column, row.window, row.condition) for row in rows}
+    for column, window in dict.fromkeys((row.column, row.window) for row in rows):
+        without = [one.name for one in conditions if (column, window, one.name) not in told]
+        if without:
+            lines.append(f"{column}, t = {window}: has no value in {', '.join(without)}")
     seeds = {one.name: one.seeds for one in conditions}
     levels = [row for row in rows if REACHES in row.column and row.value.n < seeds[row.condition]]
     if levels:

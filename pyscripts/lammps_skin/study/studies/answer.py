@@ -42,10 +42,11 @@ def check_columns(wanted: Sequence[str], observed: Sequence[str]) -> None:
     """Raise `SceneError` for a column that there is not, nor can be made of those there are."""
     for column in wanted:
         if wrong := fault(column, observed):
-            raise SceneError(
-                f"--columns {column}: {wrong}; allowed: {', '.join(observed)}, differences such "
-                "as a-b, and times such as a>0.5"
-            )
+            allowed = (
+                "" if "; did you mean" in wrong else
+                f"; allowed: {', '.join(observed)}, differences such as a-b, times such as a>0.5"
+            )  # fmt: skip
+            raise SceneError(f"--columns {column}: {wrong}{allowed}")
 
 
 def mean_of(courses: Mapping[str, Table], label: str, column: str, window: Window) -> Mean:
@@ -62,6 +63,14 @@ def answers(
         Answer(point.label, window, column, mean_of(courses, point.label, column, window))
         for window, point, column in product(design.windows, design.points, wanted)
     ]
+
+
+def defined(
+    design: Design, courses: Mapping[str, Table], wanted: Sequence[str]
+) -> list[str]:
+    """The columns that have a value at some point in some window; all of them if none has."""
+    found = {one.column for one in answers(design, courses, wanted) if one.mean.n}
+    return [column for column in wanted if column in found] or list(wanted)
 
 
 def against_of(design: Design, against: str | None) -> str:
@@ -129,7 +138,8 @@ def draw_against(
                 places = np.arange(len(points)) + 0.1 * n
                 axes.set_xticks(range(len(points)), [str(value) for value, _ in points])
             _bars(axes, places, [found[point, column] for _, point in points], label, numeric)
-        name_axes(axes, against, f"{labels.label(column).text}, t = {window}")
+        name_axes(axes, against, labels.label(column).text)
+    figure.suptitle(f"means over t = {window}", fontsize="medium")
     _legend(figure, axes_of)
     return figure
 
