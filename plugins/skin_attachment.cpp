@@ -23,7 +23,7 @@ void SkinAttachment::list_candidates()
   sort_membrane();
   const std::vector<double> margins = skin_margins(lmp);
   for (int i : cells.list)
-    nearest.add_candidates(atom->x[i], margins[atom->type[i]] + margins[membrane_type]);
+    nearest.add_candidates(atom->x[i], margins[atom->type[i]] + margins[membrane_type], atom->tag);
 }
 
 /* ---------------------------------------------------------------------- */

@@ -33,7 +33,10 @@ class SkinAttachment : protected Pointers {
   // nearest of all membrane particles where they are now
 
   void sort_membrane() { nearest.bin(atom, membrane_type); }
-  SkinNearest::Neighbor find_nearest(int i) const { return nearest.find(atom->x[i]); }
+  SkinNearest::Neighbor find_nearest(int i) const
+  {
+    return nearest.find(atom->x[i], atom->tag);
+  }
 
   // whether there is none that is nearer beyond the ghost particles of this rank
 

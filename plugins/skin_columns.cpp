@@ -50,7 +50,6 @@ void SkinColumns::sort(const Atom *atom, const std::vector<char> &wanted)
   first.assign(ncolumns[0] * ncolumns[1] + 1, 0);
   for (std::vector<double> &coordinates : x) coordinates.resize(count);
   index.resize(count);
-  tag.resize(count);
   column_of.resize(count);
 
   for (int k = 0; k < count; k++) {
@@ -60,16 +59,23 @@ void SkinColumns::sort(const Atom *atom, const std::vector<char> &wanted)
   }
   for (size_t c = 1; c < first.size(); c++) first[c] += first[c - 1];
 
-  zlo.assign(first.size(), INFINITY);
-  zhi.assign(first.size(), -INFINITY);
   slot.assign(first.begin(), first.end());
   for (int k = 0; k < count; k++) {
-    const int i = chosen[k], c = column_of[k], place = slot[c]++;
+    const int i = chosen[k], place = slot[column_of[k]]++;
     for (int d = 0; d < 3; d++) x[d][place] = at[i][d];
     index[place] = i;
-    tag[place] = atom->tag[i];
-    zlo[c] = std::min(zlo[c], at[i][2]);
-    zhi[c] = std::max(zhi[c], at[i][2]);
+  }
+
+  zlo.assign(first.size(), INFINITY);
+  zhi.assign(first.size(), -INFINITY);
+  for (size_t c = 0; c + 1 < first.size(); c++) {
+    double least = INFINITY, most = -INFINITY;
+    for (int k = first[c]; k < first[c + 1]; k++) {
+      least = std::min(least, x[2][k]);
+      most = std::max(most, x[2][k]);
+    }
+    zlo[c] = least;
+    zhi[c] = most;
   }
 }
 
@@ -178,6 +184,5 @@ double SkinColumns::memory_usage() const
   return (double) (x[0].capacity() + x[1].capacity() + x[2].capacity() + zlo.capacity() +
                    zhi.capacity()) * sizeof(double) +
       (double) (first.capacity() + index.capacity() + column_of.capacity() + slot.capacity() +
-                chosen.capacity()) *
-      sizeof(int) + (double) tag.capacity() * sizeof(tagint);
+                chosen.capacity()) * sizeof(int);
 }

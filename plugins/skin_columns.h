@@ -4,8 +4,6 @@
 #ifndef LMP_SKIN_COLUMNS_H
 #define LMP_SKIN_COLUMNS_H
 
-#include "lmptype.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -45,11 +43,10 @@ class SkinColumns {
   double width = 0.0;
   std::vector<int> first;    // first particle of each column, one entry more at the end
 
-  // particles in the order of columns: coordinates, local index, ID
+  // particles in the order of columns: coordinates, local index
 
   std::vector<double> x[3];
   std::vector<int> index;
-  std::vector<tagint> tag;
 
   double distance_squared(int k, const double *point) const
   {

@@ -136,7 +136,10 @@ void SkinContacts::add_column(const SkinColumns &all, int c, double furthest)
 
   for (int n = begin; n < end; n++) {
     const int i = all.index[n], later = all.index[std::min(n + AHEAD, (int) all.index.size() - 1)];
-    if (atom->nspecial && later < atom->nlocal) __builtin_prefetch(atom->special[later]);
+    if (atom->nspecial && later < atom->nlocal) {
+      __builtin_prefetch(atom->nspecial[later]);
+      __builtin_prefetch(atom->special[later]);
+    }
     if (one_way && i >= atom->nlocal) continue;
     const double point[3] = {all.x[0][n], all.x[1][n], all.x[2][n]};
     const auto [first, last] = near.within(point, furthest, one_way ? 0 : n - begin + 1);

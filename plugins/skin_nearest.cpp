@@ -23,19 +23,17 @@ void SkinNearest::bin(const Atom *atom, int membrane_type)
    of particles at the same distance the one with the lowest ID is the nearest
 ------------------------------------------------------------------------- */
 
-void SkinNearest::search_column(int ix, int iy, const double *point, Neighbor &best,
-                                tagint &best_tag) const
+void SkinNearest::search_column(int ix, int iy, const double *point, const tagint *tag,
+                                Neighbor &best) const
 {
   if (best.index >= 0 && columns.distance_squared_to_column(ix, iy, point) > best.distsq) return;
 
   const int c = iy * columns.ncolumns[0] + ix;
   for (int k = columns.first[c]; k < columns.first[c + 1]; k++) {
     const double rsq = columns.distance_squared(k, point);
-    const tagint tag = columns.tag[k];
-    if (best.index < 0 || rsq < best.distsq || (rsq == best.distsq && tag < best_tag)) {
-      best = {columns.index[k], rsq};
-      best_tag = tag;
-    }
+    const int i = columns.index[k];
+    if (best.index < 0 || rsq < best.distsq || (rsq == best.distsq && tag[i] < tag[best.index]))
+      best = {i, rsq};
   }
 }
 
@@ -43,11 +41,10 @@ void SkinNearest::search_column(int ix, int iy, const double *point, Neighbor &b
    search square rings of columns outward until no further ring can hold a nearer particle
 ------------------------------------------------------------------------- */
 
-SkinNearest::Neighbor SkinNearest::find(const double *point) const
+SkinNearest::Neighbor SkinNearest::find(const double *point, const tagint *tag) const
 {
   Neighbor best = {-1, 0.0};
   if (columns.index.empty()) return best;
-  tagint best_tag = 0;
 
   const int *const n = columns.ncolumns;
   const int cx = columns.column(0, point[0]), cy = columns.column(1, point[1]);
@@ -64,7 +61,7 @@ SkinNearest::Neighbor SkinNearest::find(const double *point) const
       const bool whole_row = (iy == cy - ring) || (iy == cy + ring);
       const int step = (whole_row || ring == 0) ? 1 : 2 * ring;
       for (int ix = cx - ring; ix <= cx + ring; ix += step)
-        if (ix >= 0 && ix < n[0]) search_column(ix, iy, point, best, best_tag);
+        if (ix >= 0 && ix < n[0]) search_column(ix, iy, point, tag, best);
     }
   }
   return best;
@@ -83,9 +80,9 @@ void SkinNearest::clear_candidates()
    margin relative to each other
 ------------------------------------------------------------------------- */
 
-void SkinNearest::add_candidates(const double *point, double margin)
+void SkinNearest::add_candidates(const double *point, double margin, const tagint *tag)
 {
-  const Neighbor best = find(point);
+  const Neighbor best = find(point, tag);
   if (best.index >= 0) {
     // the nearest itself is among them, whatever the rounding of the root
 

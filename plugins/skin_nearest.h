@@ -5,6 +5,8 @@
 
 #include "skin_columns.h"
 
+#include "lmptype.h"
+
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -22,12 +24,12 @@ class SkinNearest {
 
   // nearest of all binned particles
 
-  Neighbor find(const double *point) const;
+  Neighbor find(const double *point, const tagint *tag) const;
 
   // start, extend and use lists of candidates, valid while nothing moves further than the margin
 
   void clear_candidates();
-  void add_candidates(const double *point, double margin);
+  void add_candidates(const double *point, double margin, const tagint *tag);
   Neighbor nearest_candidate(int list, const double *point, const double *x, const tagint *tag);
 
   double memory_usage() const;
@@ -38,7 +40,7 @@ class SkinNearest {
   std::vector<int> candidates, first_candidate;
   std::vector<double> distsq;    // of the candidates of the last call
 
-  void search_column(int ix, int iy, const double *point, Neighbor &best, tagint &best_tag) const;
+  void search_column(int ix, int iy, const double *point, const tagint *tag, Neighbor &best) const;
 };
 
 }    // namespace LAMMPS_NS
