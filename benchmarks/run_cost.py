@@ -3,7 +3,7 @@
 Seconds are CPU time of the thread that runs LAMMPS, output and checkpoints included, so that they
 hardly depend on how busy the machine is. `runs` runs scenes to their end, piece by piece. `samples`
 runs short pieces that begin with states of a run that is there: for runs that would take too long.
-`fit` makes rates (`lammps_skin.study.rates`) of all pieces; `table` compares what was measured with
+`fit` makes rates (`lammps_skin.study.rates`) of all runs; `table` compares what was measured with
 what is expected.
 
     python benchmarks/run_cost.py runs demo quarter-ring --levels balanced fast --keep runs/costs
@@ -22,25 +22,25 @@ import tempfile
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
-from dataclasses import fields
+from dataclasses import fields, replace
 from itertools import groupby
 from pathlib import Path
 
 import numpy as np
-from lammps_skin.arrays import Floats
 from lammps_skin.kinds import Kind, is_cell
 from lammps_skin.model.accuracy import LEVELS
 from lammps_skin.model.scene import Scene
 from lammps_skin.run.simulation import Simulation
-from lammps_skin.start.counts import first_counts
-from lammps_skin.study.cost import estimate, work
-from lammps_skin.study.growth import growth
+from lammps_skin.study.cost import estimate
 from lammps_skin.study.rates import SHIPPED, Rates
-from scipy.optimize import nnls
+from scipy.optimize import linprog
 
 DATA = Path(__file__).resolve().parent.parent / "docs" / "data" / "run-costs.csv"
 PIECES = 20  # of a run
 SAMPLES = 5  # of a run
+RATES = 6  # the first of `Rates`, those that a run has after its start
+EVALUATION = 4e-6  # seconds that one takes at least, whatever its size
+SHARES = (0.75, 1.29)  # of what is measured with `reference` in what is expected
 COLUMNS = (
     "scene", "parameters", "level", "how", "begin", "end", "membrane", "dermal", "cells", "steps",
     "evaluations", "frames", "seconds",
@@ -133,53 +133,55 @@ def stored() -> list[Row]:
         return list(csv.DictReader(file))
 
 
-def works() -> list[tuple[Row, Floats]]:
-    """Pieces, and what is done in each, in the order of the rates, by `study.cost`."""
-    found = []
+def cases() -> Iterator[tuple[Scene, list[Row], float]]:
+    """Scenes at their levels, their pieces, and what the whole run takes by these."""
     for (name, parameters, level), group in groupby(stored(), case):
+        rows = list(group)
         scene = chosen(Scene.load(str(name)), str(level), str(parameters))
-        times = np.linspace(scene.begins, scene.end_time, 201)
-        first = first_counts(scene)
-        grown = growth(scene, {kind.label: n for kind, n in first.items() if is_cell(kind)}, times)
-        for row in group:
-            begin, end, cells, evaluations, frames = (
-                float(row[name]) for name in ("begin", "end", "cells", "evaluations", "frames")
-            )
-            divisions = np.interp([(begin + end) / 2], times, grown.divisions)
-            particles = float(row["membrane"]), float(row["dermal"])
-            done = work(scene, *particles, np.array([cells]), divisions)[0]
-            done[:4] *= evaluations / done[0]
-            done[4] *= end - begin
-            done[5] = frames
-            found.append((row, done))
-    return found
+        measured = sum(float(row["seconds"]) for row in rows)
+        length = sum(float(row["end"]) - float(row["begin"]) for row in rows)
+        yield scene, rows, measured * (scene.end_time - scene.begins) / length
 
 
 def fit() -> None:
-    """Rates by which all pieces take the time that was measured, but for relative errors."""
-    found = works()
-    seconds = np.array([float(row["seconds"]) for row, _ in found])
-    done = np.array([one for _, one in found])
-    rates, _ = nnls(done / seconds[:, None], np.ones(len(seconds)))
-    for field, rate in zip(fields(Rates), rates, strict=False):
-        print(f"    {field.name}: float = {rate:.2e}")
+    """Rates with the least largest error of the levels that take rkl1, in parts of what they take.
+
+    The shares of the others in what is expected stay between `SHARES`.
+    """
+    names = [field.name for field in fields(Rates)][:RATES]
+    nothing = Rates(*(0.0 for _ in fields(Rates)))
+    parts, plain = [], []
+    for scene, _, measured in cases():
+        of_each = [estimate(scene, replace(nothing, **{name: 1.0})) for name in names]
+        parts.append([(cost.seconds - cost.start) / measured for cost in of_each])
+        plain.append(scene.numerics.accuracy == "reference")
+    scale = 1 / np.max(parts, axis=0)
+    expected, others = np.array(parts) * scale, np.array(plain)
+    error = np.where(others, 0.0, -1.0)[:, None]
+    low, high = 1 / max(SHARES), 1 / min(SHARES)
+    found = linprog(
+        np.eye(RATES + 1)[-1],
+        A_ub=np.block([[expected, error], [-expected, error]]),
+        b_ub=np.concatenate([np.where(others, high, 1.0), np.where(others, -low, -1.0)]),
+        bounds=[(EVALUATION / scale[0], None), *[(0.0, None)] * RATES],
+    )
+    for name, rate in zip(names, found.x * [*scale, 1.0], strict=False):
+        print(f"    {name}: float = {rate:.2e}")
 
 
 def table() -> None:
     """Seconds of whole runs, those of samples from their mean, and their share of the expected."""
     print(f"| scene | parameters | cells | {' | '.join(LEVELS)} |")
     print("| --- | --- | --- | --- | --- | --- |")
-    for (name, parameters), of_scene in groupby(stored(), lambda row: case(row)[:2]):
+    for (name, parameters), of_scene in groupby(
+        cases(), lambda one: (one[0].name, one[0].parameters)
+    ):
         told: dict[str, str] = {}
-        for level, group in groupby(of_scene, lambda row: str(row["level"])):
-            rows = list(group)
-            scene = chosen(Scene.load(str(name)), level, str(parameters))
+        for scene, rows, measured in of_scene:
             cost = estimate(scene, SHIPPED)
-            measured = sum(float(row["seconds"]) for row in rows)
-            length = sum(float(row["end"]) - float(row["begin"]) for row in rows)
-            measured *= (scene.end_time - scene.begins) / length
             sampled = "" if rows[0]["how"] == "run" else "about "
-            told[level] = f"{sampled}{measured:.3g}, {measured / (cost.seconds - cost.start):.2f}"
+            share = measured / (cost.seconds - cost.start)
+            told[scene.numerics.accuracy] = f"{sampled}{measured:.3g}, {share:.2f}"
             cells = f"{float(rows[-1]['cells']):.0f}, {cost.cells:.0f}"
         levels = " | ".join(told.get(level, "") for level in LEVELS)
         print(f"| `{name}` | {parameters} | {cells} | {levels} |")

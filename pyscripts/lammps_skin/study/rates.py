@@ -35,12 +35,12 @@ class Rates:
         particle that is packed.
     """
 
-    evaluation: float = 6.8e-6
-    membrane: float = 3.1e-8
-    dermal: float = 1.2e-7
-    cell: float = 9.0e-7
-    rebuild: float = 5.1e-7
-    frame: float = 1.18e-2
+    evaluation: float = 4.0e-6
+    membrane: float = 4.4e-8
+    dermal: float = 7.7e-8
+    cell: float = 1.01e-6
+    rebuild: float = 4.2e-7
+    frame: float = 7.6e-3
     start: float = 1.7
     packed: float = 3.6e-4
 
