@@ -99,6 +99,8 @@ def run(
         text: point.label for point in reversed(design.points) for text in remarks(point.scene)
     }.items():
         console.print(f"{label}: {remark}")
+    if design.sample and design.sample.remark:
+        console.print(design.sample.remark)
     asked.write_design()
     activity = asked.provenance
     if part is None:
@@ -228,6 +230,8 @@ def show(
     if has_indices(asked.design.sample):
         for one in _sensitivities(asked, courses, wanted):
             _show_sensitivity(asked, one)
+        if asked.design.sample and asked.design.sample.remark:
+            console.print(asked.design.sample.remark)
         return
     found = answers(asked.design, courses, wanted)
     for window in asked.design.windows:

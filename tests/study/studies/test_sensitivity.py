@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from lammps_skin.study.studies.runs import Study
+from lammps_skin.study.studies.samples import Sample
 from lammps_skin.study.studies.sensitivity import draw, effects, has_indices, sensitivities
 
 
@@ -52,3 +53,17 @@ def test_effects_of_each_condition(morris: Study) -> None:
     figure = draw(sample, found)
     for axes, one in zip(figure.axes, found, strict=True):
         assert axes.get_xlabel().split()[-1] == one.what.split(",")[0]  # the condition
+
+
+def test_halves_that_are_alike_are_told() -> None:
+    """Of five keys 16 points are too few: indices of a sum of three are then far from a third."""
+    ranges = {name: (0.0, 1.0) for name in "abcde"}
+    few, more = (Sample("sobol", n, 1, ranges) for n in (16, 32))
+    assert few.remark.startswith("sample.n = 16: the two halves of so few points are alike")
+    assert not more.remark and not Sample("morris", 4, 1, ranges).remark
+    totals = []
+    for sample in (few, more):
+        results = sample._unit()[:, :3].sum(axis=1)
+        heads, values = sample.sensitivity(results)
+        totals.append(values[:3, heads.index("total")])
+    assert abs(totals[0] - 1 / 3).max() > 0.2 > 0.1 > abs(totals[1] - 1 / 3).max()

@@ -16,6 +16,7 @@ from lammps_skin.model.scene_keys import near, shown, value_of
 KEYS = ("method", "n", "seed", "ranges")
 METHODS = ("latin", "sobol", "morris")
 MOST = 100_000
+ALIKE = 0.5  # correlation of the two halves of a sample of Sobol, from which on they are
 LEVELS = 4  # of each key, of the trajectories of Morris
 
 
@@ -91,6 +92,24 @@ class Sample:
         """Number of points."""
         each = {"latin": 1, "morris": len(self.ranges) + 1, "sobol": len(self.ranges) + 2}
         return self.n * each[self.method]
+
+    @property
+    def remark(self) -> str:
+        """What to mind of the sample; nothing if all is well.
+
+        The indices of Sobol compare two halves of the sample, which must not be alike.
+        """
+        if self.method != "sobol" or self.n < 2:
+            return ""
+        unit, step = self._unit(), len(self.ranges) + 2
+        halves = zip(unit[::step].T, unit[step - 1 :: step].T, strict=True)
+        alike = max(abs(float(np.corrcoef(one, other)[0, 1])) for one, other in halves)
+        if alike < ALIKE:
+            return ""
+        return (
+            f"sample.n = {self.n}: the two halves of so few points are alike (correlation "
+            f"{alike:.2g}), so that indices will be wrong; take more"
+        )
 
     @property
     def _problem(self) -> dict[str, Any]:
