@@ -13,10 +13,11 @@ from lammps_skin.model import potentials
 from lammps_skin.model.parameters import DEFAULT
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.terms import TERMS, Terms
-from lammps_skin.style import plain
+from lammps_skin.style import name_axes, plain
 
 AGE = 5.0  # of the dividing pair whose spring is shown, time
 POINTS = 601
+RATIO = "distance / contact length"
 ACROSS = 4  # panels in a row
 SETS = ("printed", DEFAULT)
 
@@ -39,25 +40,25 @@ def curves(scene: Scene) -> dict[str, Curve]:
     membrane, cells, terms = scene.membrane, scene.cells, Terms.of(scene)
     x = np.linspace(0.85, 1.6, POINTS)
     found = {
-        "adhesion": Curve("x", x, terms.adhesion * potentials.adhesion(x, cells.adhesion_range)),
-        "binding": Curve("x", x, terms.binding * potentials.binding(x)),
+        "adhesion": Curve(RATIO, x, terms.adhesion * potentials.adhesion(x, cells.adhesion_range)),
+        "binding": Curve(RATIO, x, terms.binding * potentials.binding(x)),
     }
     for pair in terms.pair_potentials.values():
         x = np.linspace(0.85 if pair.lennard_jones else 0.6, 1.6, POINTS)
         energy = np.where(x < pair.range, pair.stiffness * pair.energy(x), 0.0)
-        found[pair.name] = Curve("x", x, energy)
+        found[pair.name] = Curve(RATIO, x, energy)
     x = np.linspace(0.85, 1.6, POINTS)
-    found["wall"] = Curve("x", x, scene.dermis.wall_stiffness * potentials.exclusion(x))
+    found["wall"] = Curve(RATIO, x, scene.dermis.wall_stiffness * potentials.exclusion(x))
 
     angle = np.linspace(0.0, np.pi, POINTS)
     bend = membrane.bending_stiffness * potentials.bending(np.cos(angle), membrane.bending_form)
-    found["bend"] = Curve("angle", angle, bend)
+    found["bend"] = Curve("angle between normals (radians)", angle, bend)
     found["stretch"] = _stretch(scene)
     stiffness, start, rate, end = terms.division
     distance = np.linspace(0.0, 2 * cells.radius, POINTS)
     length = min(start + rate * AGE, end)
     spring = stiffness * potentials.division_spring(distance, length)
-    found["division"] = Curve(f"distance, age {AGE:g}", distance, spring)
+    found["division"] = Curve(f"distance at age {AGE:g} (length units)", distance, spring)
     return {name: found[name] for name in TERMS}
 
 
@@ -67,7 +68,7 @@ def _stretch(scene: Scene) -> Curve:
     scale = 2 * membrane.radius if scene.force_scale == "direct" else 1.0
     x = np.linspace(0.85 * d2, 1 + d2 - 0.7 * d2, POINTS)
     energy = potentials.stretch(x, membrane.elasticity, d2, scale)
-    return Curve("x", x, membrane.stretch_stiffness * energy, 1 + d2)
+    return Curve(RATIO, x, membrane.stretch_stiffness * energy, 1 + d2)
 
 
 @plain
@@ -86,7 +87,8 @@ def draw_potentials(sets: tuple[str, ...] = SETS) -> Figure:
                 axes.plot(curve.x, curve.energy, style, label=name)
         if first.singular is not None:
             axes.axvline(first.singular, color="0.5", ls=":", label="singular")
-        axes.set(title=term.replace("_", "-"), xlabel=first.label, ylabel="energy")
+        axes.set(title=term.replace("_", "-"))
+        name_axes(axes, first.label, "energy (energy units)")
         if len(axes.lines) > 1:
             axes.legend(frameon=False)
     return figure
