@@ -172,6 +172,16 @@ $(call asked,wound,stem ta exhausted coverage,coverage coverage>0.93,700-840)
 $(call asked,adhesion,stem nd young $(STEM) $(ND) $(YOUNG) coverage none_below skewness papillae,$(TIPS) nd_on_tips-nd_tips_expected young_on_tips-young_tips_expected zeta zeta_nd zeta_young,400-600)
 $(call asked,finite-size,$(STEM) $(TISSUE) papilla_spacing papilla_width cell_area chi_G sigma,papilla_spacing height_std skewness none_below zeta $(TIPS),400-600)
 
+# the example of docs/studies.md
+EXAMPLE := stem_on_tips-stem_tips_expected,papillae,zeta
+MADE += docs/data/studies/example/courses.parquet docs/figures/studies/example.png
+docs/data/studies/example/courses.parquet: $(INSTALLED)
+	$(SKIN) study run docs/examples/adhesion.toml -o $(RUNS)/studies/example
+	$(BIN)/python docs/pages.py columns $(RUNS)/studies/example/$(@F) $(@D) stem_on_tips stem_tips_expected zeta papillae
+docs/figures/studies/example.png: docs/data/studies/example/courses.parquet
+	$(SKIN) compare $(<D) --columns $(EXAMPLE) --windows 400-600,600-1000 --plot $@
+	$(REDUCED) $@
+
 NINE := chi_H chi_G zeta skewness papillae height_std none_below coverage $(TIPS)
 MADE += docs/data/studies/sensitivity/courses.parquet docs/figures/studies/sensitivity.png
 docs/data/studies/sensitivity/courses.parquet: $(INSTALLED)

@@ -19,7 +19,7 @@ from tests.pages import BY_NAME, ROOT, blocks, commands, text
 COMPARED = [
     (page, words)
     for page, words in commands("skin")
-    if page.startswith("studies/") and words[0] == "compare" and "--plot" not in words
+    if page.startswith("studies") and words[0] == "compare" and "--plot" not in words
 ]
 
 
@@ -60,7 +60,7 @@ def test_intervals_in_sentences_are_those_of_the_tables(page: str) -> None:
 def test_pictures_are_shown() -> None:
     """Each page that compares shows the picture of its study."""
     assert COMPARED
-    for page in {page for page, _ in COMPARED}:
+    for page in {page for page, _ in COMPARED if page != "studies.md"}:
         name = page.removeprefix("studies/").removesuffix(".md")
         assert f"/figures/studies/{name}.png)" in text(page)
         assert any(f"skin study {name}" in block for _, block in blocks(page))
