@@ -59,8 +59,9 @@ void SkinCells::check(int i, bigint next_id) const
   // data files do not hold the time
 
   const double now = clock.time_of_step(update->ntimestep);
+  const double pair_start = state.pair[i] ? state.pair_start[i] : 0.0;
   for (const auto &[name, value] : {std::pair{"birth_time", state.birth_time[i]},
-                                    std::pair{"pair_start", state.pair_start[i]},
+                                    std::pair{"pair_start", pair_start},
                                     std::pair{"detached_time", state.detached_time[i]}})
     if (value > 0.0 && value > now + update->dt)
       error->one(FLERR, "Fix skin/cells: {} = {} of cell {} is after the time of the run, {}: use "
