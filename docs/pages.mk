@@ -121,8 +121,8 @@ docs/figures/report.png: $(RUNS)/quarter-ring.done
 
 MADE += docs/figures/report-study.png
 docs/figures/report-study.png: $(INSTALLED)
-	$(SKIN) study adhesion --quick --keep -o $(RUNS)/adhesion-quick
-	$(SKIN) report $(RUNS)/adhesion-quick -o $(RUNS)/study.html
+	$(SKIN) study docs/examples/adhesion.toml --keep -o $(RUNS)/adhesion
+	$(SKIN) report $(RUNS)/adhesion -o $(RUNS)/study.html
 	$(BIN)/python docs/pages.py screenshot $(RUNS)/study.html $@
 	$(REDUCED) $@
 
