@@ -8,9 +8,9 @@ class Answer {
     choice.value = study.windows.at(-1);
     choice.addEventListener("input", () => this.show());
     const groups = new Set(study.columns.map((column) => column.group));
-    host.innerHTML = [...groups].map((group, n) => `<details data-group="${group}" ${n ? "" : "open"}>
-      <summary>${group}</summary><div class="wide"></div></details>`).join("")
-      + (study.indices.length ? `<details id="indices" open><summary>What they are sensitive to</summary><div class="wide"></div></details>` : "");
+    host.innerHTML = (study.indices.length ? `<details id="indices" open><summary>What they are sensitive to</summary><div class="wide"></div></details>` : "")
+      + [...groups].map((group, n) => `<details data-group="${group}" ${n ? "" : "open"}>
+      <summary>${group}</summary><div class="wide"></div></details>`).join("");
     this.show();
   }
 
@@ -25,7 +25,7 @@ class Answer {
     return this.study.indices.filter(({ window }) => window === this.choice.value).map(({ title, keys, columns, values }) => {
       const rows = keys.map((key, n) => `<tr><td>${clean(key)}</td>${values.length ? values[n].map((value) =>
         `<td class="number">${value.map(short).join(" ± ")}</td>`).join("") : ""}</tr>`);
-      return `<table><tr>${[title, ...columns].map((head) => `<th>${clean(head)}</th>`).join("")}</tr>
+      return `<table><tr>${[title, ...columns].map((head) => `<th>${symbols(head)}</th>`).join("")}</tr>
         ${rows.join("")}</table>`;
     }).join("");
   }

@@ -241,6 +241,9 @@ def _warnings(tables: StudyTables) -> Iterator[str]:
         if lost:
             more = f" and {counted(len(lost) - 3, 'other')}" if len(lost) > 3 else ""
             yield f"{word.capitalize()}: {'; '.join(lost[:3])}{more}. Means are of the others."
+    sample = read_sample(tables.folder)
+    if sample and sample.remark:
+        yield sample.remark
     if max(len(tables.runs(label)) for label in tables.labels) < 2:
         yield "Each point has one seed, so there are no intervals."
 
