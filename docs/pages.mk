@@ -191,6 +191,11 @@ docs/figures/studies/sensitivity.png: docs/data/studies/sensitivity/courses.parq
 	$(BIN)/python docs/pages.py effects sensitivity $(<D) $@ $(call LIST,$(NINE))
 	$(REDUCED) $@
 
+MADE += docs/data/studies/sensitivity-sobol/courses.parquet
+docs/data/studies/sensitivity-sobol/courses.parquet: $(INSTALLED)
+	$(SKIN) study run sensitivity-sobol -o $(RUNS)/studies/sensitivity-sobol
+	$(BIN)/python docs/pages.py columns $(RUNS)/studies/sensitivity-sobol/$(@F) $(@D) chi_H zeta skewness papillae height_std none_below
+
 # the continuum equation beside four runs; its tables are printed, for the page
 PRESSED := 1 2 3 4
 $(foreach n,$(PRESSED),$(call directory,random-$(n),quarter-random --seed $(n) --until 600 --set output.dump_interval=5.0))

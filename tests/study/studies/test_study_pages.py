@@ -85,6 +85,24 @@ def test_effects_of_the_page_on_sensitivity() -> None:
     assert len(told) == 2 + 14 and not [line for line in told if line not in lines]
 
 
+def test_indices_of_the_page_on_sensitivity() -> None:
+    """Each cell of its table is a total index of Sobol and its interval."""
+    design = Design.load(Path("sensitivity-sobol"))
+    sample, labels = design.sample, [point.label for point in design.points]
+    assert sample and not sample.remark
+    courses = read_courses(ROOT / "docs" / "data" / "studies" / "sensitivity-sobol")
+    lines = text("studies/sensitivity.md").splitlines()
+    head = lines.index("| key | chi_H | zeta | skewness | papillae | height_std | none_below |")
+    wanted = [cell.strip() for cell in lines[head].strip("|").split("|")][1:]
+    found = sensitivities(sample, labels, courses, wanted, design.windows[-1])
+    columns = [
+        [one.values[:, one.heads.index(name)] for name in ("total", "total_error")] for one in found
+    ]
+    for n, key in enumerate(sample.ranges):
+        cells = [f"{total[n]:.2f} ± {error[n]:.2f}" for total, error in columns]
+        assert " | ".join([f"| `{key}`", *cells]) + " |" in lines
+
+
 def test_the_page_on_the_continuum_has_what_its_script_tells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
