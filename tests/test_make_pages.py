@@ -32,7 +32,8 @@ def test_all_that_is_there_is_made() -> None:
     folders = (ROOT / "docs" / "data", ROOT / "docs" / "figures")
     there = {str(path.relative_to(ROOT)) for folder in folders for path in folder.rglob("*")
              if path.is_file() and "runs" not in path.parts}  # fmt: skip
-    assert there <= set(make("made").split())
+    by_hand = {"docs/figures/ovito.png"}  # by a program of its own, as docs/programs.md says
+    assert there - set(make("made").split()) == by_hand
 
 
 def test_commands_of_skin() -> None:
