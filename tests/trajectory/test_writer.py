@@ -123,13 +123,13 @@ def test_every_frame_is_on_disk_when_written(run, tmp_path):
     with TrajectoryWriter(tmp_path / "a.h5", run.scene, NONE, NONE, author="A. Name") as writer:
         for n, frame in enumerate(run.frames[:3], 1):
             writer.write(frame)
-            shutil.copy(tmp_path / "a.h5", tmp_path / "copy.h5")
-            with h5py.File(tmp_path / "copy.h5") as copy:
+            there = shutil.copy(tmp_path / "a.h5", tmp_path / f"{n}.h5")
+            with h5py.File(there) as copy:
                 assert copy["particles/trajectory/birth_time/value"].shape[0] == n
                 stored = copy["particles/trajectory/position/value"][n - 1]
                 np.testing.assert_array_equal(stored[frame.ids - 1], frame.positions)
                 assert copy["h5md/author"].attrs["name"] == "A. Name"
-            assert len(Store(tmp_path / "copy.h5")) == n
+            assert len(Store(there)) == n
 
 
 def test_command_converts(run, tmp_path, capsys):
