@@ -188,3 +188,8 @@ def time_of_checkpoint(directory: Path) -> float:
     except SkinError:
         return 0.0
     return 0.0 if restart is None else int(restart.split(".")[1][4:]) * 0.02
+
+
+def cut(path: Path, share: float = 0.7) -> None:
+    """Keep so much of a file."""
+    os.truncate(path, int(path.stat().st_size * share))

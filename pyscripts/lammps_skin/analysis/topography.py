@@ -56,7 +56,7 @@ def peaks(height: Floats) -> Peaks:
     return Peaks(nodes, height.ravel()[nodes], saddle, joins, basin)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=8)  # all steps in a field of one shape
 def _neighbors(shape: tuple[int, ...], step: Shift) -> tuple[Ints, Ints]:
     """Flat index (g_x, g_y) of the node one step away, and the boxes (g_x, g_y, 2) crossed."""
     i, j = np.indices(shape)

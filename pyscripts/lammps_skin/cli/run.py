@@ -24,14 +24,14 @@ from lammps_skin.cli.options import (
     scenes_beginning,
 )
 from lammps_skin.cli.output import console
-from lammps_skin.engine.built import load_built
+from lammps_skin.engine.built import load_built, variable
 from lammps_skin.errors import SceneError, SimulationError, SkinError
 from lammps_skin.model.remarks import remarks
 from lammps_skin.model.scene import Scene
 from lammps_skin.model.scenes import BUILT_IN
 from lammps_skin.run.directory_lock import DirectoryLock
 from lammps_skin.run.results import RESTARTS, replaced_results, restart_files
-from lammps_skin.run.simulation import Simulation, check_run, start_time
+from lammps_skin.run.simulation import Simulation, check_run
 from lammps_skin.start.configuration import Configuration
 
 FILES = {
@@ -193,7 +193,7 @@ def _watch(simulation: Simulation, directory: Path, until: float | None, began: 
 
 def _shortened(scene: Scene | None, directory: Path, until: float) -> Scene | None:
     """The scene with another end time; a built directory stays as it is."""
-    start = scene.begins if scene else start_time(directory)
+    start = scene.begins if scene else variable(directory, "start_time")
     if not start < until < math.inf:
         raise SimulationError(f"--until = {until:g}: must be a time after the start, {start:g}")
     shortened = (scene or load_built(directory)).replace(end_time=until)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from lammps_skin.arrays import Floats, Ints
-from lammps_skin.engine.built import check_data, load_built, variable
+from lammps_skin.engine.built import check_data, load_built
 from lammps_skin.engine.engine import Cells, Forces, Motion
 from lammps_skin.engine.rank_count import open_engine
 from lammps_skin.engine.world import check_alone
@@ -395,8 +395,3 @@ def check_run(directory: Path, ranks: int | None, threads: int) -> None:
         raise SceneError(
             f"directory {str(directory)!r}: LAMMPS cannot read a path with {''.join(bad)!a} in it"
         )
-
-
-def start_time(directory: Path) -> float:
-    """Start time in the scene.in of a built scene."""
-    return float(variable(directory, "start_time"))
